@@ -1,0 +1,48 @@
+//! Curves in space: what a surface is trimmed by, and what its border can be.
+
+use core::fmt::Debug;
+
+use glam::DVec3;
+
+/// A piecewise smooth curve in space, evaluated at a parameter `u` in [0, 1].
+///
+/// [`Curve::position`] is all that it takes: a curve is a black box to every stage. An
+/// implementation must be a pure function of `u` (the same bits for the same `u`, always), or
+/// raise [`Curve::revision`] when it changes.
+pub trait Curve: Debug + Send + Sync {
+    /// The point at `u` in [0, 1], in model units.
+    fn position(&self, u: f64) -> DVec3;
+
+    /// The derivative with respect to `u`, in model units per unit of `u`; one-sided (from the
+    /// right, and at 1 from the left) where the curve has a corner.
+    ///
+    /// By default a difference of fourth order, which stays inside [0, 1] of an open curve.
+    fn derivative(&self, u: f64) -> DVec3 {
+        difference(self, u)
+    }
+
+    /// The parameters inside (0, 1), ascending, where the tangent turns at once; a closed curve
+    /// that has a corner where it begins lists 0.
+    fn corners(&self) -> &[f64] {
+        &[]
+    }
+
+    /// Does the curve end where it begins, and run on from there?
+    fn closed(&self) -> bool {
+        false
+    }
+
+    /// Rises whenever the curve has become another one.
+    fn revision(&self) -> u64 {
+        0
+    }
+}
+
+/// The derivative by differences of fourth order. The step balances the rounding error of the
+/// positions, `1e-16 / h`, against the truncation error, `h^4`.
+fn difference<C: Curve + ?Sized>(curve: &C, u: f64) -> DVec3 {
+    const STEP: f64 = 1e-3;
+    let centre = u.clamp(2.0 * STEP, 1.0 - 2.0 * STEP);
+    let at = |k: f64| curve.position(centre + k * STEP);
+    (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / (12.0 * STEP)
+}

@@ -1,0 +1,3 @@
+//! Combined Loop subdivision: masks, borders, details, evaluation.
+
+pub mod masks;

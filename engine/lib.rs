@@ -1,0 +1,1 @@
+//! selvedge trims curved surfaces.
