@@ -46,3 +46,7 @@ fn difference<C: Curve + ?Sized>(curve: &C, u: f64) -> DVec3 {
     let at = |k: f64| curve.position(centre + k * STEP);
     (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / (12.0 * STEP)
 }
+
+/// placeholder until parameters.rs lands
+#[derive(Clone, Debug)]
+pub struct CurveParameters;
