@@ -50,3 +50,17 @@ fn difference<C: Curve + ?Sized>(curve: &C, u: f64) -> DVec3 {
 /// placeholder until parameters.rs lands
 #[derive(Clone, Debug)]
 pub struct CurveParameters;
+impl CurveParameters {
+    #[allow(missing_docs)]
+    pub fn sample(&self, _l: u32, _i: u64) -> DVec3 {
+        DVec3::ZERO
+    }
+    #[allow(missing_docs)]
+    pub fn count(&self, _l: u32) -> u64 {
+        0
+    }
+    #[allow(missing_docs)]
+    pub fn closed(&self) -> bool {
+        false
+    }
+}

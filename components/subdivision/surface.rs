@@ -36,6 +36,26 @@ pub struct Side {
     pub border: Border,
 }
 
+impl Side {
+    /// How many edges it has on the root mesh.
+    pub fn edge_count(&self) -> usize {
+        self.vertices.len() - usize::from(self.ends == Ends::Corners)
+    }
+
+    /// The index in its curve's parameters of the place `step` steps of `level` from the side's
+    /// first vertex; `None` on a plain side.
+    pub fn curve_index(&self, level: u32, step: u64) -> Option<u64> {
+        let Border::Given { curve, first, heading } = &self.border else { return None };
+        let first = first << level;
+        Some(match (heading, curve.closed()) {
+            (Heading::Along, false) => first + step,
+            (Heading::Along, true) => (first + step) % curve.count(level),
+            (Heading::Against, false) => first - step,
+            (Heading::Against, true) => (first + curve.count(level) - step) % curve.count(level),
+        })
+    }
+}
+
 /// Whether a side runs round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ends {

@@ -1,0 +1,451 @@
+//! The connectivity of one level of a subdivided surface, over any set of its faces.
+//!
+//! ```text
+//!            2                       2                 half-edge i of a face leaves corner i;
+//!           / \                     / \                its first half is half-edge i of child i,
+//!          /   \                   / 2 \               its second half is half-edge i of child i + 1
+//!         /     \       ->       20 --- 12
+//!        /       \               / \ 3 / \             the middle child has the corners 01, 12, 20;
+//!       /         \             / 0 \ / 1 \            its half-edge i faces child i + 1
+//!      0 --------- 1           0 --- 01 -- 1
+//! ```
+
+use glam::DVec3;
+
+use super::address::{Address, FaceCode};
+use super::corner::CornerTable;
+use super::surface::{Border, Ends, LoopSurface, Side};
+use crate::mesh::{Connectivity, FaceId, HalfedgeId};
+
+/// No element: what stands in a table where there is none.
+pub const NONE: u32 = u32::MAX;
+
+/// Some faces of one level of a subdivided surface, with the vertices they use.
+///
+/// Faces ascend by [`FaceCode`]; from level 1 on they come in whole families of four, so face
+/// `4 g + c` is child `c` of [`LevelMesh::parent`]`(g)`. Where a neighbouring face is missing, the
+/// mesh is *cut*: a half-edge there has neither twin nor border. The order of everything follows
+/// from the codes alone, so that sums over a ring have the same bits in every selection of faces
+/// that holds the whole ring.
+#[derive(Clone, Debug)]
+pub struct LevelMesh {
+    /// Which level; 0 is the root mesh.
+    pub level: u32,
+    /// The faces, ascending.
+    pub codes: Vec<FaceCode>,
+    /// The corners of each face: indices into `vertices`.
+    pub corners: Vec<[u32; 3]>,
+    /// The vertices used.
+    pub vertices: Vec<LevelVertex>,
+    /// The vertices on a given border, ascending by vertex.
+    pub given: Vec<GivenVertex>,
+    twins: Vec<u32>,
+    borders: Vec<u32>,
+    border_edges: Vec<BorderEdge>,
+    parents: Vec<u32>,
+}
+
+/// One vertex of a [`LevelMesh`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LevelVertex {
+    /// The half-edge at which its ring begins; the border one on a border.
+    pub start: u32,
+    /// How many edges meet here on the whole surface.
+    pub valence: u32,
+    /// What it is.
+    pub kind: Kind,
+    /// Are all its faces in the mesh?
+    pub ring: RingState,
+    /// Where it came from.
+    pub origin: Origin,
+    /// Its entry in the table of special corners, or [`NONE`].
+    pub corner: u32,
+}
+
+/// What a vertex is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Inside the surface.
+    Interior,
+    /// On a plain border, between corners.
+    Plain,
+    /// A corner that only plain sides meet.
+    PlainCorner,
+    /// On a given border, corners included: its entry in [`LevelMesh::given`].
+    Given(u32),
+}
+
+/// Whether all faces around a vertex are in the mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RingState {
+    /// All of them.
+    Whole,
+    /// Some are missing.
+    Cut,
+}
+
+/// Where a vertex came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// It is a vertex of the root mesh.
+    Root,
+    /// It stands for this vertex of the level before.
+    Vertex(u32),
+    /// It halves the edge of this half-edge of the level before.
+    Edge(u32),
+}
+
+/// A vertex on a given border.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GivenVertex {
+    /// The vertex.
+    pub vertex: u32,
+    /// The curve's own value there: computed once, when the vertex is made.
+    pub sample: DVec3,
+    /// Is it the end of a side?
+    pub end: SideEnd,
+}
+
+/// Whether a border vertex ends its side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SideEnd {
+    /// It lies inside the side.
+    Smooth,
+    /// Sides end here.
+    Corner,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct BorderEdge {
+    side: u32,
+    /// Steps of this level from the side's first vertex to the start of the half-edge.
+    step: u64,
+}
+
+impl LevelMesh {
+    /// Level 0 over the whole surface.
+    pub fn root(surface: &LoopSurface, corners: &CornerTable) -> Self {
+        let mesh = &*surface.mesh;
+        let halfedges = 3 * mesh.face_count();
+        let mut borders = vec![NONE; halfedges];
+        let mut border_edges = Vec::new();
+        for (s, side) in surface.sides.iter().enumerate() {
+            let edges = side.vertices.len() - usize::from(side.ends == Ends::Corners);
+            for (step, &v) in side.vertices[..edges].iter().enumerate() {
+                borders[mesh.outgoing(v).index()] = border_edges.len() as u32;
+                border_edges.push(BorderEdge { side: s as u32, step: step as u64 });
+            }
+        }
+        let twin = |h| mesh.twin(HalfedgeId::new(h)).map_or(NONE, |t| t.0);
+        let mut level = Self {
+            level: 0,
+            codes: (0..mesh.face_count()).map(|f| FaceCode::root(FaceId::new(f))).collect(),
+            corners: mesh.faces().iter().map(|f| f.map(|v| v.0)).collect(),
+            vertices: Vec::with_capacity(mesh.vertex_count()),
+            given: Vec::new(),
+            twins: (0..halfedges).map(twin).collect(),
+            borders,
+            border_edges,
+            parents: Vec::new(),
+        };
+        for v in 0..mesh.vertex_count() {
+            let id = crate::mesh::VertexId::new(v);
+            let start = mesh.outgoing(id).0;
+            let kind = level.root_kind(surface, mesh, id);
+            level.vertices.push(LevelVertex {
+                start,
+                valence: mesh.valence(id),
+                kind,
+                ring: RingState::Whole,
+                origin: Origin::Root,
+                corner: corners.of(id),
+            });
+        }
+        level
+    }
+
+    fn root_kind(&mut self, surface: &LoopSurface, mesh: &Connectivity, v: crate::mesh::VertexId) -> Kind {
+        if !mesh.is_border(v) {
+            return Kind::Interior;
+        }
+        let after = self.border_edges[self.borders[mesh.outgoing(v).index()] as usize];
+        let last = mesh.ring(v).last().map_or(mesh.outgoing(v), HalfedgeId::previous);
+        let before = self.border_edges[self.borders[last.index()] as usize];
+        let corner = after.step == 0 && surface.sides[after.side as usize].ends == Ends::Corners;
+        // Where two given curves meet, the older one gives the bits.
+        let mut along = [(after.side, after.step), (before.side, before.step + 1)];
+        along.sort_unstable();
+        let sample = along.iter().find_map(|&(s, step)| sample(&surface.sides[s as usize], 0, step));
+        match (sample, corner) {
+            (None, true) => Kind::PlainCorner,
+            (None, false) => Kind::Plain,
+            (Some(sample), corner) => {
+                let end = if corner { SideEnd::Corner } else { SideEnd::Smooth };
+                self.given.push(GivenVertex { vertex: v.0, sample, end });
+                Kind::Given(self.given.len() as u32 - 1)
+            }
+        }
+    }
+
+    /// The same edge in the neighbouring face, if that face is here.
+    #[inline]
+    pub fn twin(&self, h: u32) -> Option<u32> {
+        let twin = self.twins[h as usize];
+        (twin != NONE).then_some(twin)
+    }
+
+    /// The side that half-edge `h` lies on, and how many steps of this level from its beginning.
+    #[inline]
+    pub fn border(&self, h: u32) -> Option<(u32, u64)> {
+        let b = self.borders[h as usize];
+        (b != NONE).then(|| {
+            let edge = self.border_edges[b as usize];
+            (edge.side, edge.step)
+        })
+    }
+
+    /// The vertex that half-edge `h` leaves.
+    #[inline]
+    pub fn from(&self, h: u32) -> u32 {
+        self.corners[h as usize / 3][h as usize % 3]
+    }
+
+    /// The vertex that half-edge `h` reaches.
+    #[inline]
+    pub fn to(&self, h: u32) -> u32 {
+        self.from(next(h))
+    }
+
+    /// The vertex across `h` in its face.
+    #[inline]
+    pub fn opposite(&self, h: u32) -> u32 {
+        self.from(previous(h))
+    }
+
+    /// The face of the level before that family `g` fills.
+    pub fn parent(&self, family: u32) -> u32 {
+        self.parents[family as usize]
+    }
+
+    /// The curve's value at `v`; zero off the given borders.
+    pub fn sample(&self, v: u32) -> DVec3 {
+        match self.vertices[v as usize].kind {
+            Kind::Given(g) => self.given[g as usize].sample,
+            _ => DVec3::ZERO,
+        }
+    }
+
+    /// The half-edges that leave `v`, counter-clockwise from its start. Of a cut vertex, those that
+    /// follow the start without a gap.
+    pub fn ring(&self, v: u32) -> impl Iterator<Item = u32> + '_ {
+        let start = self.vertices[v as usize].start;
+        let mut now = Some(start);
+        core::iter::from_fn(move || {
+            let h = now?;
+            now = self.twin(previous(h)).filter(|&n| n != start);
+            Some(h)
+        })
+    }
+
+    /// The neighbours of a vertex whose ring is whole, counter-clockwise; on a border from the next
+    /// border vertex to the previous one.
+    pub fn neighbours(&self, v: u32) -> impl Iterator<Item = u32> + '_ {
+        let last = self.previous_on_border(v);
+        self.ring(v).map(|h| self.to(h)).chain(last)
+    }
+
+    /// The border vertex before `v` with the surface on the left; `None` for an interior vertex.
+    pub fn previous_on_border(&self, v: u32) -> Option<u32> {
+        if self.vertices[v as usize].kind == Kind::Interior {
+            return None;
+        }
+        self.ring(v).last().map(|h| self.opposite(h))
+    }
+
+    /// Can `face` be subdivided: are the rings of its corners whole?
+    pub fn refinable(&self, face: u32) -> bool {
+        self.corners[face as usize].iter().all(|&v| self.vertices[v as usize].ring == RingState::Whole)
+    }
+
+    /// All faces that can be subdivided, ascending.
+    pub fn all_refinable(&self) -> Vec<u32> {
+        (0..self.corners.len() as u32).filter(|&f| self.refinable(f)).collect()
+    }
+
+    /// The index here of the face with this code.
+    pub fn find(&self, code: FaceCode) -> Option<u32> {
+        self.codes.binary_search(&code).ok().map(|f| f as u32)
+    }
+
+    /// The address of every vertex.
+    pub fn addresses(&self, mesh: &Connectivity) -> Vec<Address> {
+        let mut addresses = vec![Address::Face(FaceId(NONE), 0, 0); self.vertices.len()];
+        for (&code, corners) in self.codes.iter().zip(&self.corners) {
+            let lattice = code.corners(self.level);
+            for (&v, (i, j)) in corners.iter().zip(lattice) {
+                if matches!(addresses[v as usize], Address::Face(FaceId(NONE), ..)) {
+                    addresses[v as usize] = Address::of(mesh, self.level, code.root_face(self.level), i, j);
+                }
+            }
+        }
+        addresses
+    }
+
+    /// The next level over the children of `faces`, which ascend and must be
+    /// [refinable](Self::refinable).
+    pub fn refine(&self, surface: &LoopSurface, faces: &[u32]) -> Self {
+        let mut finer = Self {
+            level: self.level + 1,
+            codes: faces.iter().flat_map(|&f| (0..4).map(move |c| self.codes[f as usize].child(c))).collect(),
+            corners: Vec::with_capacity(4 * faces.len()),
+            vertices: Vec::new(),
+            given: Vec::new(),
+            twins: vec![NONE; 12 * faces.len()],
+            borders: vec![NONE; 12 * faces.len()],
+            border_edges: Vec::new(),
+            parents: faces.to_vec(),
+        };
+        let mut family = vec![NONE; self.corners.len()];
+        for (g, &f) in faces.iter().enumerate() {
+            family[f as usize] = g as u32;
+        }
+        self.link(&family, &mut finer);
+        self.place_vertices(&family, &mut finer);
+        finer.mark_cuts();
+        finer.place_samples(self, surface);
+        finer
+    }
+
+    /// Twins and borders of the children, from those of the parents.
+    fn link(&self, family: &[u32], finer: &mut Self) {
+        for g in 0..finer.parents.len() as u32 {
+            let child = |c: u32, i: u32| 3 * (4 * g + c) + i;
+            for i in 0..3 {
+                let (inner, outer) = (child(3, i), child((i + 1) % 3, (i + 2) % 3));
+                finer.twins[inner as usize] = outer;
+                finer.twins[outer as usize] = inner;
+                let h = 3 * finer.parents[g as usize] + i;
+                let (first, second) = (child(i, i), child((i + 1) % 3, i));
+                if let Some(twin) = self.twin(h) {
+                    let other = family[twin as usize / 3];
+                    if other != NONE {
+                        let k = twin % 3;
+                        finer.twins[first as usize] = 3 * (4 * other + (k + 1) % 3) + k;
+                        finer.twins[second as usize] = 3 * (4 * other + k) + k;
+                    }
+                } else if let Some((side, step)) = self.border(h) {
+                    for (half, step) in [(first, 2 * step), (second, 2 * step + 1)] {
+                        finer.borders[half as usize] = finer.border_edges.len() as u32;
+                        finer.border_edges.push(BorderEdge { side, step });
+                    }
+                }
+            }
+        }
+    }
+
+    /// Vertices of the children: first those that stand for a vertex, in its order, then those that
+    /// halve an edge, in the order of the smaller half-edge.
+    fn place_vertices(&self, family: &[u32], finer: &mut Self) {
+        let mut of_vertex = vec![NONE; self.vertices.len()];
+        for &f in &finer.parents {
+            for v in self.corners[f as usize] {
+                of_vertex[v as usize] = 0;
+            }
+        }
+        for (v, name) in of_vertex.iter_mut().enumerate().filter(|(_, name)| **name == 0) {
+            *name = finer.vertices.len() as u32;
+            let h = self.vertices[v].start;
+            // A cut vertex may start in a face that is not subdivided: any child corner will do.
+            let g = family[h as usize / 3];
+            let start = if g == NONE { NONE } else { 3 * (4 * g + h % 3) + h % 3 };
+            let origin = Origin::Vertex(v as u32);
+            finer.vertices.push(LevelVertex { start, origin, ring: RingState::Whole, ..self.vertices[v] });
+        }
+        let mut of_edge = vec![NONE; self.twins.len()];
+        for (g, &f) in finer.parents.iter().enumerate() {
+            for i in 0..3 {
+                let h = 3 * f + i;
+                if of_edge[h as usize] != NONE {
+                    continue;
+                }
+                let name = finer.vertices.len() as u32;
+                of_edge[h as usize] = name;
+                let twin = self.twin(h).filter(|&t| family[t as usize / 3] != NONE);
+                if let Some(twin) = twin {
+                    of_edge[twin as usize] = name;
+                }
+                let on_border = self.border(h).is_some();
+                finer.vertices.push(LevelVertex {
+                    start: 3 * (4 * g as u32 + (i + 1) % 3) + i,
+                    valence: if on_border { 4 } else { 6 },
+                    kind: Kind::Interior,
+                    ring: RingState::Whole,
+                    origin: Origin::Edge(h.min(self.twin(h).unwrap_or(h))),
+                    corner: NONE,
+                });
+            }
+        }
+        for &f in &finer.parents {
+            let [a, b, c] = self.corners[f as usize].map(|v| of_vertex[v as usize]);
+            let [ab, bc, ca] = [0, 1, 2].map(|i| of_edge[3 * f as usize + i]);
+            finer.corners.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+    }
+
+    /// Marks the vertices where faces are missing, and gives those without a start one.
+    fn mark_cuts(&mut self) {
+        for h in 0..self.twins.len() as u32 {
+            let from = self.from(h) as usize;
+            if self.vertices[from].start == NONE {
+                self.vertices[from].start = h;
+            }
+            if self.twins[h as usize] == NONE && self.borders[h as usize] == NONE {
+                self.vertices[from].ring = RingState::Cut;
+                let to = self.to(h) as usize;
+                self.vertices[to].ring = RingState::Cut;
+            }
+        }
+    }
+
+    /// Kinds of the new border vertices and their samples; old samples are kept.
+    fn place_samples(&mut self, coarser: &Self, surface: &LoopSurface) {
+        for v in 0..self.vertices.len() {
+            let vertex = self.vertices[v];
+            let (sample, end) = match (vertex.origin, vertex.kind) {
+                (Origin::Edge(h), _) => {
+                    let Some((s, step)) = coarser.border(h) else { continue };
+                    let Some(sample) = sample(&surface.sides[s as usize], self.level, 2 * step + 1) else {
+                        self.vertices[v].kind = Kind::Plain;
+                        continue;
+                    };
+                    (sample, SideEnd::Smooth)
+                }
+                (_, Kind::Given(old)) => {
+                    let old = coarser.given[old as usize];
+                    (old.sample, old.end)
+                }
+                _ => continue,
+            };
+            self.vertices[v].kind = Kind::Given(self.given.len() as u32);
+            self.given.push(GivenVertex { vertex: v as u32, sample, end });
+        }
+    }
+}
+
+/// The curve's own value `step` steps of `level` along `side`; `None` on a plain side.
+pub fn sample(side: &Side, level: u32, step: u64) -> Option<DVec3> {
+    let Border::Given { curve, .. } = &side.border else { return None };
+    Some(curve.sample(level, side.curve_index(level, step)?))
+}
+
+/// The next half-edge around its face.
+#[inline]
+pub const fn next(h: u32) -> u32 {
+    if h % 3 == 2 { h - 2 } else { h + 1 }
+}
+
+/// The previous half-edge around its face.
+#[inline]
+pub const fn previous(h: u32) -> u32 {
+    if h.is_multiple_of(3) { h + 2 } else { h - 1 }
+}

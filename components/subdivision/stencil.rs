@@ -1,0 +1,384 @@
+//! The rules of one subdivision step, and of the limit, as sparse rows over effective points.
+//!
+//! A level's state is its *effective control points* `e`: the control point `p` of an interior
+//! vertex or of one on a plain border, and `p - d` on a given border, where `p` is the curve's
+//! sample and `d` the boundary detail. Every interior rule reads `e`.
+
+use glam::DVec3;
+
+use super::corner::{CornerTable, LATTICE_WEIGHT, Pull, SpecialCorner};
+use super::level::{Kind, LevelMesh, NONE, Origin, RingState, sample};
+use super::masks;
+use super::surface::LoopSurface;
+
+/// A sparse matrix, row by row; entries of a row stand in the order in which they are summed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rows {
+    starts: Vec<u32>,
+    columns: Vec<u32>,
+    weights: Vec<f64>,
+}
+
+impl Rows {
+    /// A matrix without rows.
+    pub fn new() -> Self {
+        Self { starts: vec![0], columns: Vec::new(), weights: Vec::new() }
+    }
+
+    /// How many rows.
+    pub fn len(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// Are there no rows?
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Adds a row.
+    pub fn push(&mut self, row: impl IntoIterator<Item = (u32, f64)>) {
+        for (column, weight) in row {
+            self.columns.push(column);
+            self.weights.push(weight);
+        }
+        self.starts.push(self.columns.len() as u32);
+    }
+
+    /// The entries of row `r`: columns and weights.
+    #[inline]
+    pub fn row(&self, r: usize) -> (&[u32], &[f64]) {
+        let (a, b) = (self.starts[r] as usize, self.starts[r + 1] as usize);
+        (&self.columns[a..b], &self.weights[a..b])
+    }
+
+    /// Row `r` applied to `x`.
+    #[inline]
+    pub fn dot(&self, r: usize, x: &[DVec3]) -> DVec3 {
+        let (columns, weights) = self.row(r);
+        columns.iter().zip(weights).fold(DVec3::ZERO, |sum, (&c, &w)| sum + w * x[c as usize])
+    }
+}
+
+/// How one level's effective points make the next one's: `e' = S e + offset`, and on a given
+/// border `d' = S d`, `e' = p' - d'`.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// One row per vertex of the finer level.
+    pub rows: Rows,
+    /// What the concave corners add, by vertex of the finer level: the part of their quadratic that
+    /// the curves give.
+    pub offsets: Vec<(u32, DVec3)>,
+    /// Edge points that the seed's flatness moves: `(vertex, special corner, vertex of the corner)`.
+    pub flat: Vec<(u32, u32, u32)>,
+}
+
+impl Step {
+    /// The rules that lead from `coarse` to `fine`, which is a refinement of it.
+    pub fn new(surface: &LoopSurface, corners: &CornerTable, coarse: &LevelMesh, fine: &LevelMesh) -> Self {
+        let mut step = Self { rows: Rows::new(), offsets: Vec::new(), flat: Vec::new() };
+        let weights = ValenceWeights::new(coarse);
+        for (name, vertex) in fine.vertices.iter().enumerate() {
+            match vertex.origin {
+                Origin::Root => {}
+                Origin::Vertex(v) => step.push_vertex(coarse, v, &weights),
+                Origin::Edge(h) => step.push_edge(surface, corners, coarse, h, name as u32),
+            }
+        }
+        step
+    }
+
+    fn push_vertex(&mut self, mesh: &LevelMesh, v: u32, weights: &ValenceWeights) {
+        let vertex = mesh.vertices[v as usize];
+        match vertex.kind {
+            Kind::Interior => {
+                let beta = weights.neighbour[vertex.valence as usize];
+                let own = 1.0 - f64::from(vertex.valence) * beta;
+                self.rows.push([(v, own)].into_iter().chain(mesh.ring(v).map(|h| (mesh.to(h), beta))));
+            }
+            Kind::Plain => {
+                let (ahead, behind) = (mesh.to(vertex.start), mesh.previous_on_border(v).unwrap_or(v));
+                self.rows.push([(v, 0.75), (ahead, 0.125), (behind, 0.125)]);
+            }
+            Kind::PlainCorner => self.rows.push([(v, 1.0)]),
+            Kind::Given(_) => self.rows.push([(v, 0.25)]),
+        }
+    }
+
+    fn push_edge(&mut self, surface: &LoopSurface, corners: &CornerTable, mesh: &LevelMesh, h: u32, name: u32) {
+        let (a, b) = (mesh.from(h), mesh.to(h));
+        let Some(twin) = mesh.twin(h) else {
+            let given = mesh.border(h).is_some_and(|(s, _)| sample(&surface.sides[s as usize], 0, 0).is_some());
+            let weight = if given { 0.125 } else { 0.5 };
+            return self.rows.push([(a, weight), (b, weight)]);
+        };
+        let (left, right) = (mesh.opposite(h), mesh.opposite(twin));
+        let special = |v: u32| corners.corners.get(mesh.vertices[v as usize].corner as usize);
+        let [near, far] = edge_weights(special(a), special(b));
+        let plain = [(a, near), (b, far), (left, 0.125), (right, 0.125)];
+        for corner in [a, b] {
+            match special(corner).map(|c| c.pull) {
+                Some(Pull::Quadratic { s }) => {
+                    let at = SectorEdge::of(mesh, corner, if corner == a { b } else { a });
+                    let constant = at.constant(surface, mesh, special(corner), corner);
+                    self.offsets.push((name, s * constant));
+                    let pulled = plain.map(|(v, w)| (v, (1.0 - s) * w));
+                    return self.rows.push(pulled.into_iter().chain([(corner, s * at.corner_weight())]));
+                }
+                Some(Pull::Flat { .. }) => self.flat.push((name, mesh.vertices[corner as usize].corner, corner)),
+                Some(Pull::None) | None => {}
+            }
+        }
+        self.rows.push(plain);
+    }
+
+    /// The next level's state from this one's; details stored for the next level are not added
+    /// yet. `edit` may change a boundary detail before it is read: it gets the entry in
+    /// [`LevelMesh::given`] and the decayed detail.
+    pub fn apply(
+        &self,
+        corners: &CornerTable,
+        [coarse, fine]: [&LevelMesh; 2],
+        state: &LevelState,
+        edit: impl Fn(usize, DVec3) -> DVec3,
+    ) -> LevelState {
+        let mut next = LevelState {
+            effective: (0..self.rows.len()).map(|r| self.rows.dot(r, &state.effective)).collect(),
+            details: Vec::with_capacity(fine.given.len()),
+        };
+        for &(v, offset) in &self.offsets {
+            next.effective[v as usize] += offset;
+        }
+        for &(v, corner, at) in &self.flat {
+            let pull = corners.corners[corner as usize].pull;
+            let point = &mut next.effective[v as usize];
+            *point = flatten(*point, coarse.sample(at), pull);
+        }
+        for (g, given) in fine.given.iter().enumerate() {
+            let (columns, weights) = self.rows.row(given.vertex as usize);
+            let decayed =
+                columns.iter().zip(weights).fold(DVec3::ZERO, |sum, (&c, &w)| sum + w * state.detail(coarse, c));
+            let d = edit(g, decayed);
+            next.details.push(d);
+            next.effective[given.vertex as usize] = given.sample - d;
+        }
+        next
+    }
+}
+
+/// The state of one level.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LevelState {
+    /// Effective control points, one per vertex.
+    pub effective: Vec<DVec3>,
+    /// Boundary details, one per entry of [`LevelMesh::given`].
+    pub details: Vec<DVec3>,
+}
+
+impl LevelState {
+    /// The boundary detail of `v`; zero off the given borders.
+    #[inline]
+    pub fn detail(&self, mesh: &LevelMesh, v: u32) -> DVec3 {
+        match mesh.vertices[v as usize].kind {
+            Kind::Given(g) => self.details[g as usize],
+            _ => DVec3::ZERO,
+        }
+    }
+}
+
+/// Limit positions as sparse rows over one level's effective points.
+#[derive(Clone, Debug)]
+pub struct LimitRows {
+    /// The vertices that have a row, ascending: interior ones and those on plain borders, with whole
+    /// rings. On a given border the limit point is the sample.
+    pub vertices: Vec<u32>,
+    /// One row each.
+    pub rows: Rows,
+    /// What concave corners add, by row.
+    offsets: Vec<(u32, DVec3)>,
+    flat: Vec<FlatTerm>,
+}
+
+/// One ring point next to a flattened corner, one step finer.
+#[derive(Clone, Debug)]
+struct FlatTerm {
+    row: u32,
+    weight: f64,
+    edge: Vec<(u32, f64)>,
+    pull: Pull,
+    tip: DVec3,
+}
+
+impl LimitRows {
+    /// The limit masks of the vertices of `mesh` that `wanted` selects.
+    ///
+    /// The mask of an interior vertex is exact unless its ring holds a special corner: the edge to
+    /// the corner then has another rule than the mask assumes. One step later it no longer does, so
+    /// there the row is the mask of the next level after the rules that lead to it.
+    pub fn new(surface: &LoopSurface, corners: &CornerTable, mesh: &LevelMesh, wanted: impl Fn(u32) -> bool) -> Self {
+        let mut limit = Self { vertices: Vec::new(), rows: Rows::new(), offsets: Vec::new(), flat: Vec::new() };
+        let weights = ValenceWeights::new(mesh);
+        for v in 0..mesh.vertices.len() as u32 {
+            let vertex = mesh.vertices[v as usize];
+            if vertex.ring == RingState::Cut || matches!(vertex.kind, Kind::Given(_)) || !wanted(v) {
+                continue;
+            }
+            limit.vertices.push(v);
+            match vertex.kind {
+                Kind::Interior if mesh.ring(v).any(|h| mesh.vertices[mesh.to(h) as usize].corner != NONE) => {
+                    limit.push_beside_corner(surface, corners, mesh, v, &weights);
+                }
+                Kind::Interior => {
+                    let omega = weights.limit[vertex.valence as usize];
+                    let own = 1.0 - f64::from(vertex.valence) * omega;
+                    limit.rows.push([(v, own)].into_iter().chain(mesh.ring(v).map(|h| (mesh.to(h), omega))));
+                }
+                Kind::Plain => {
+                    let (ahead, behind) = (mesh.to(vertex.start), mesh.previous_on_border(v).unwrap_or(v));
+                    limit.rows.push([(v, 2.0 / 3.0), (ahead, 1.0 / 6.0), (behind, 1.0 / 6.0)]);
+                }
+                Kind::PlainCorner | Kind::Given(_) => limit.rows.push([(v, 1.0)]),
+            }
+        }
+        limit
+    }
+
+    fn push_beside_corner(
+        &mut self,
+        surface: &LoopSurface,
+        corners: &CornerTable,
+        mesh: &LevelMesh,
+        v: u32,
+        weights: &ValenceWeights,
+    ) {
+        let valence = mesh.vertices[v as usize].valence;
+        let omega = weights.limit[valence as usize];
+        let mut finer = Step { rows: Rows::new(), offsets: Vec::new(), flat: Vec::new() };
+        finer.push_vertex(mesh, v, weights);
+        for (i, h) in mesh.ring(v).enumerate() {
+            finer.push_edge(surface, corners, mesh, h, i as u32 + 1);
+        }
+        let mut row: Vec<(u32, f64)> = Vec::new();
+        for r in 0..finer.rows.len() {
+            let mask = if r == 0 { 1.0 - f64::from(valence) * omega } else { omega };
+            let (columns, entries) = finer.rows.row(r);
+            for (&c, &w) in columns.iter().zip(entries) {
+                match row.iter_mut().find(|e| e.0 == c) {
+                    Some(entry) => entry.1 += mask * w,
+                    None => row.push((c, mask * w)),
+                }
+            }
+        }
+        let name = self.rows.len() as u32;
+        self.rows.push(row);
+        self.offsets.extend(finer.offsets.iter().map(|&(_, offset)| (name, omega * offset)));
+        for &(edge, corner, at) in &finer.flat {
+            let (columns, entries) = finer.rows.row(edge as usize);
+            self.flat.push(FlatTerm {
+                row: name,
+                weight: omega,
+                edge: columns.iter().copied().zip(entries.iter().copied()).collect(),
+                pull: corners.corners[corner as usize].pull,
+                tip: mesh.sample(at),
+            });
+        }
+    }
+
+    /// The limit positions, in the order of [`Self::vertices`].
+    pub fn apply(&self, state: &LevelState) -> Vec<DVec3> {
+        let mut limit: Vec<_> = (0..self.rows.len()).map(|r| self.rows.dot(r, &state.effective)).collect();
+        self.finish(state, &mut limit);
+        limit
+    }
+
+    /// Adds what is not linear in the effective points, or not theirs, to the products of the rows.
+    pub fn finish(&self, state: &LevelState, limit: &mut [DVec3]) {
+        for &(row, offset) in &self.offsets {
+            limit[row as usize] += offset;
+        }
+        for term in &self.flat {
+            let x = term.edge.iter().fold(DVec3::ZERO, |sum, &(c, w)| sum + w * state.effective[c as usize]);
+            limit[term.row as usize] += term.weight * (flatten(x, term.tip, term.pull) - x);
+        }
+    }
+}
+
+/// `alpha / (8 k)` and `alpha / (k (3 + alpha))` by valence, computed once.
+struct ValenceWeights {
+    neighbour: Vec<f64>,
+    limit: Vec<f64>,
+}
+
+impl ValenceWeights {
+    fn new(mesh: &LevelMesh) -> Self {
+        let most = mesh.vertices.iter().map(|v| v.valence).max().unwrap_or(0);
+        let table = |weight: fn(u32) -> f64| (0..=most).map(|k| if k < 3 { 0.0 } else { weight(k) }).collect();
+        Self { neighbour: table(masks::neighbour_weight), limit: table(masks::limit_weight) }
+    }
+}
+
+/// Weights of the two ends of an interior edge. Where both ends are special, each asks for its own
+/// weights; they get the mean.
+fn edge_weights(start: Option<&SpecialCorner>, end: Option<&SpecialCorner>) -> [f64; 2] {
+    let of = |c: Option<&SpecialCorner>| c.map(|c| [0.75 - c.weight, c.weight]);
+    match (of(start), of(end).map(|[near, far]| [far, near])) {
+        (None, None) => [LATTICE_WEIGHT; 2],
+        (Some(w), None) | (None, Some(w)) => w,
+        (Some(a), Some(b)) => [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])],
+    }
+}
+
+/// One interior edge at a concave lattice corner of valence 5 or 6.
+///
+/// In the basis of the first border edge `a` and the last one `b` the lattice directions of the
+/// interior edges are whole numbers `(x, y)`, and the third lattice direction is `a + b` (valence 5,
+/// a sector of 240 degrees) or `a - b` (valence 6, of 300 degrees).
+struct SectorEdge {
+    x: f64,
+    y: f64,
+    /// The sign of the third lattice direction.
+    third: f64,
+}
+
+impl SectorEdge {
+    fn of(mesh: &LevelMesh, corner: u32, other: u32) -> Self {
+        const FIVE: [(f64, f64); 3] = [(0.0, -1.0), (-1.0, -1.0), (-1.0, 0.0)];
+        const SIX: [(f64, f64); 4] = [(1.0, -1.0), (0.0, -1.0), (-1.0, 0.0), (-1.0, 1.0)];
+        let five = mesh.vertices[corner as usize].valence == 5;
+        let directions = if five { &FIVE[..] } else { &SIX[..] };
+        let i = mesh.neighbours(corner).position(|n| n == other).unwrap_or(1);
+        let (x, y) = directions[(i.max(1) - 1).min(directions.len() - 1)];
+        Self { x, y, third: if five { 1.0 } else { -1.0 } }
+    }
+
+    /// The weight of the corner's effective point: the quadratic's mixed derivative is
+    /// `6 d' - Daa - Dbb` (or its negative), and `d' = d / 4 = (q0 - e) / 4`.
+    fn corner_weight(&self) -> f64 {
+        (1.0 - 6.0 * self.third * self.x * self.y) / 4.0
+    }
+
+    /// The quadratic at `(x, y)` less the part that the corner's effective point gives.
+    fn constant(&self, surface: &LoopSurface, mesh: &LevelMesh, corner: Option<&SpecialCorner>, at: u32) -> DVec3 {
+        let Some(corner) = corner else { return DVec3::ZERO };
+        let level = mesh.level + 1;
+        let [leaving, arriving] = corner.sides.map(|s| &surface.sides[s as usize]);
+        let length = (arriving.vertices.len() as u64 - 1) << level;
+        let q0 = mesh.sample(at);
+        let jet = |q1: Option<DVec3>, q2: Option<DVec3>| {
+            let (q1, q2) = (q1.unwrap_or(q0), q2.unwrap_or(q0));
+            ((4.0 * (q1 - q0) - (q2 - q0)) / 2.0, q0 - 2.0 * q1 + q2)
+        };
+        let (ga, daa) = jet(sample(leaving, level, 1), sample(leaving, level, 2));
+        let (gb, dbb) = jet(sample(arriving, level, length - 1), sample(arriving, level, length - 2));
+        let (x, y, xy) = (self.x, self.y, self.third * self.x * self.y);
+        q0 * (1.0 - self.corner_weight()) + x * ga + y * gb + 0.5 * (x * x * daa + y * y * dbb) - xy * (daa + dbb)
+    }
+}
+
+/// The seed's flatness: towards the tangent plane, at the distance of `x` itself from `tip`.
+/// A point straight above the tip has no direction in the plane: it goes towards the tip.
+fn flatten(x: DVec3, tip: DVec3, pull: Pull) -> DVec3 {
+    let Pull::Flat { s, normal } = pull else { return x };
+    let inside = x - normal * (x - tip).dot(normal);
+    let in_plane = (x - tip).length() * (inside - tip).normalize_or_zero();
+    (1.0 - s) * x + s * (tip + in_plane)
+}
