@@ -111,8 +111,11 @@ pub struct GivenVertex {
 pub enum SideEnd {
     /// It lies inside the side.
     Smooth,
-    /// Sides end here.
+    /// Two given sides meet here.
     Corner,
+    /// A given side meets a plain one here. The plain side reads the point itself, so it has no
+    /// detail.
+    Mixed,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -175,12 +178,17 @@ impl LevelMesh {
         // Where two given curves meet, the older one gives the bits.
         let mut along = [(after.side, after.step), (before.side, before.step + 1)];
         along.sort_unstable();
-        let sample = along.iter().find_map(|&(s, step)| sample(&surface.sides[s as usize], 0, step));
-        match (sample, corner) {
+        let samples = along.map(|(s, step)| sample(&surface.sides[s as usize], 0, step));
+        let mixed = samples.iter().any(Option::is_none);
+        match (samples[0].or(samples[1]), corner) {
             (None, true) => Kind::PlainCorner,
             (None, false) => Kind::Plain,
             (Some(sample), corner) => {
-                let end = if corner { SideEnd::Corner } else { SideEnd::Smooth };
+                let end = match (corner, mixed) {
+                    (false, _) => SideEnd::Smooth,
+                    (true, false) => SideEnd::Corner,
+                    (true, true) => SideEnd::Mixed,
+                };
                 self.given.push(GivenVertex { vertex: v.0, sample, end });
                 Kind::Given(self.given.len() as u32 - 1)
             }

@@ -4,6 +4,8 @@
 //! vertex or of one on a plain border, and `p - d` on a given border, where `p` is the curve's
 //! sample and `d` the boundary detail. Every interior rule reads `e`.
 
+use core::ops::Range;
+
 use glam::DVec3;
 
 use super::corner::{CornerTable, LATTICE_WEIGHT, Pull, SpecialCorner};
@@ -285,20 +287,22 @@ impl LimitRows {
 
     /// The limit positions, in the order of [`Self::vertices`].
     pub fn apply(&self, state: &LevelState) -> Vec<DVec3> {
-        let mut limit: Vec<_> = (0..self.rows.len()).map(|r| self.rows.dot(r, &state.effective)).collect();
-        self.finish(state, &mut limit);
-        limit
+        self.apply_range(state, 0..self.rows.len())
     }
 
-    /// Adds what is not linear in the effective points, or not theirs, to the products of the rows.
-    pub fn finish(&self, state: &LevelState, limit: &mut [DVec3]) {
-        for &(row, offset) in &self.offsets {
-            limit[row as usize] += offset;
+    /// The limit positions of some of [`Self::vertices`].
+    pub fn apply_range(&self, state: &LevelState, range: Range<usize>) -> Vec<DVec3> {
+        let begin = range.start;
+        let inside = |row: u32| range.contains(&(row as usize));
+        let mut limit: Vec<_> = range.clone().map(|r| self.rows.dot(r, &state.effective)).collect();
+        for &(row, offset) in self.offsets.iter().filter(|o| inside(o.0)) {
+            limit[row as usize - begin] += offset;
         }
-        for term in &self.flat {
+        for term in self.flat.iter().filter(|t| inside(t.row)) {
             let x = term.edge.iter().fold(DVec3::ZERO, |sum, &(c, w)| sum + w * state.effective[c as usize]);
-            limit[term.row as usize] += term.weight * (flatten(x, term.tip, term.pull) - x);
+            limit[term.row as usize - begin] += term.weight * (flatten(x, term.tip, term.pull) - x);
         }
+        limit
     }
 }
 

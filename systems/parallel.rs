@@ -1,0 +1,19 @@
+//! Parallel maps that keep order: the same bits on any number of threads.
+
+/// Fewer items than this are mapped on the calling thread: waking a thread costs some
+/// microseconds, as much as this many cheap items.
+const ALONE: usize = 256;
+
+/// Maps `0..count`, on all cores where the feature `parallel` is on; results stand in order.
+///
+/// Sums are folded over the returned list, never reduced in parallel: floating-point addition is
+/// not associative, and the tree that a parallel reduction takes depends on the thread count.
+pub fn map_in_order<R: Send>(count: usize, f: impl Fn(usize) -> R + Sync + Send) -> Vec<R> {
+    #[cfg(feature = "parallel")]
+    if count >= ALONE {
+        use rayon::prelude::*;
+        return (0..count).into_par_iter().with_min_len(ALONE / 4).map(f).collect();
+    }
+    let _ = ALONE;
+    (0..count).map(f).collect()
+}

@@ -1,0 +1,168 @@
+//! # Refine: measure, and open the next level where it is needed
+//!
+//! | reads | writes | after | before |
+//! | --- | --- | --- | --- |
+//! | the level's state, the target | the rung of the ladder, the next level | modify | correspond |
+//!
+//! The seed tests a patch at its vertices after one subdivision, which is blind to an error between
+//! points that were fitted; here it is the 15 points after two. All patches that the level could
+//! influence are tested, those that had passed before too.
+
+use glam::DVec3;
+use selvedge_components::subdivision::FaceCode;
+
+use super::fit::{FitError, FitWork, OpenLevel, Outcome, Quantum, Rung, Stage};
+use super::region;
+use crate::parallel::map_in_order;
+
+/// Closest points per work quantum.
+const QUANTUM: usize = 4096;
+
+/// The true maximum may exceed the one over 15 points by some 5 to 10 %: patches pass below this
+/// part of the tolerance.
+pub const MARGIN: f64 = 0.85;
+
+impl FitWork {
+    /// Measures the next points; all of them measured, the next level is opened, or the fit is
+    /// finished.
+    ///
+    /// # Errors
+    /// When the target has no answer, or the next level would pass the budget.
+    pub fn refine(&mut self) -> Result<Quantum, FitError> {
+        let open = &mut self.open;
+        let begin = open.distances.len();
+        let end = open.test_rows.vertices.len().min(begin + QUANTUM);
+        let (rows, state, target, hints) = (&open.test_rows, &open.levels[2].state, &self.target, &open.test_hints);
+        let all = rows.apply_range(state, begin..end);
+        let found = map_in_order(end - begin, |i| {
+            let foot = target.closest(all[i], hints[begin + i])?;
+            Ok((foot.position.distance(all[i]), foot.at))
+        });
+        for (i, found) in found.into_iter().enumerate() {
+            let (distance, at) = found.map_err(FitError::Target)?;
+            open.distances.push(distance);
+            open.test_hints[begin + i] = at;
+        }
+        if end < open.test_rows.vertices.len() {
+            return Ok(Quantum::More);
+        }
+        self.judge()
+    }
+
+    /// All points of the level are measured: what now?
+    fn judge(&mut self) -> Result<Quantum, FitError> {
+        let patches = self.open.patch_errors();
+        let begun = self.initial.is_some();
+        let rung = self.rung(&patches);
+        if !begun {
+            self.initial = Some(rung);
+            // The surface as it was given: go on to fit level 0 unless it is good enough.
+            if self.options.tolerance.is_some_and(|t| rung.max <= MARGIN * t) {
+                return Ok(self.finish(Outcome::Within));
+            }
+            return Ok(self.go_to(Stage::Correspond));
+        }
+        self.ladder.push(rung);
+        let limit = self.options.tolerance.map_or(-1.0, |t| MARGIN * t);
+        let failing: Vec<FaceCode> = patches.iter().filter(|p| p.1 > limit).map(|p| p.0).collect();
+        let spent = self.open.level == self.options.last_level;
+        if failing.is_empty() || spent {
+            let achieved = (rung.max, rung.max_at);
+            return Ok(self.finish(self.judgement(achieved)));
+        }
+        self.open_next(&patches, &failing)
+    }
+
+    fn judgement(&self, (achieved, at): (f64, DVec3)) -> Outcome {
+        match self.options.tolerance {
+            Some(tolerance) if achieved > tolerance => {
+                if self.unreachable.0 > tolerance {
+                    Outcome::OutOfReach { achieved, at }
+                } else {
+                    Outcome::LevelsSpent { achieved, at }
+                }
+            }
+            _ => Outcome::Within,
+        }
+    }
+
+    fn open_next(&mut self, patches: &[(FaceCode, f64, DVec3)], failing: &[FaceCode]) -> Result<Quantum, FitError> {
+        let level = self.open.level + 1;
+        let faces = self.options.region.within(&self.surface, level, region::children(failing));
+        let mut next = OpenLevel::new(&self.surface, &self.corners, &self.details, level, faces);
+        next.allow(&self.surface, &self.options.region);
+        if next.movable.is_empty() {
+            self.unreachable = worst(patches.iter());
+            let all = larger(self.unreachable, self.settled);
+            return Ok(self.finish(self.judgement(all)));
+        }
+        let details = self.details.count() + next.movable.len();
+        if details > self.options.most_details {
+            return Err(FitError::TooManyDetails { level, details, limit: self.options.most_details });
+        }
+        // What the next level cannot influence keeps the error it has.
+        let left = patches.iter().filter(|p| !(0..4).all(|c| next.influenced.binary_search(&p.0.child(c)).is_ok()));
+        let left = worst(left);
+        if self.options.tolerance.is_some_and(|t| left.0 > t) {
+            self.unreachable = larger(self.unreachable, left);
+        }
+        self.settled = larger(self.settled, left);
+        self.open = next;
+        Ok(self.go_to(Stage::Correspond))
+    }
+
+    fn rung(&self, patches: &[(FaceCode, f64, DVec3)]) -> Rung {
+        let open = &self.open;
+        let here = worst(patches.iter());
+        let (max, max_at) = larger(here, self.settled);
+        let samples = open.distances.len();
+        Rung {
+            level: open.level,
+            max,
+            max_at,
+            max_here: here.0,
+            mean: open.distances.iter().sum::<f64>() / samples.max(1) as f64,
+            details: self.details.count(),
+            active: open.movable.len(),
+            samples,
+        }
+    }
+
+    fn finish(&mut self, outcome: Outcome) -> Quantum {
+        self.outcome = Some(outcome);
+        Quantum::Finished
+    }
+}
+
+impl OpenLevel {
+    /// The greatest distance over each influenced patch, and where.
+    fn patch_errors(&self) -> Vec<(FaceCode, f64, DVec3)> {
+        let mesh = &self.levels[2].mesh;
+        let limit = self.test_rows.apply_range(&self.levels[2].state, 0..self.test_rows.vertices.len());
+        let mut of_vertex = vec![(0.0, DVec3::ZERO); mesh.vertices.len()];
+        for ((&v, &distance), x) in self.test_rows.vertices.iter().zip(&self.distances).zip(limit) {
+            of_vertex[v as usize] = (distance, x);
+        }
+        let mut patches: Vec<(FaceCode, f64, DVec3)> =
+            self.influenced.iter().map(|&code| (code, 0.0, DVec3::ZERO)).collect();
+        for (code, corners) in mesh.codes.iter().zip(&mesh.corners) {
+            let Ok(at) = patches.binary_search_by_key(&FaceCode(code.0 >> 4), |p| p.0) else { continue };
+            for &v in corners {
+                let (error, x) = of_vertex[v as usize];
+                if error > patches[at].1 {
+                    patches[at] = (patches[at].0, error, x);
+                }
+            }
+        }
+        patches
+    }
+}
+
+fn worst<'a>(patches: impl Iterator<Item = &'a (FaceCode, f64, DVec3)>) -> (f64, DVec3) {
+    patches.fold((0.0, DVec3::ZERO), |worst, p| larger(worst, (p.1, p.2)))
+}
+
+/// The larger; the first where both are the same.
+fn larger(a: (f64, DVec3), b: (f64, DVec3)) -> (f64, DVec3) {
+    if b.0 > a.0 { b } else { a }
+}
