@@ -90,9 +90,7 @@ fn quasi_interpolation_inverts_the_limit_on_cubics() {
     let corners = CornerTable::new(&surface);
     let mesh = LevelMesh::root(&surface, &corners);
     let interior = |v: u32| mesh.vertices[v as usize].kind == Kind::Interior;
-    let quasi = |x: &[DVec3], v: u32| {
-        mesh.neighbours(v).fold(1.5 * x[v as usize], |sum, n| sum - x[n as usize] / 12.0)
-    };
+    let quasi = |x: &[DVec3], v: u32| mesh.neighbours(v).fold(1.5 * x[v as usize], |sum, n| sum - x[n as usize] / 12.0);
     let samples: Vec<DVec3> = patch.places.iter().map(|&at| at.extend(cubic(at))).collect();
     let effective = (0..mesh.vertices.len() as u32)
         .map(|v| if interior(v) { quasi(&samples, v) } else { samples[v as usize] })
@@ -115,8 +113,7 @@ fn every_interior_stencil_is_a_partition_of_unity() {
         let corners = CornerTable::new(&surface);
         let mut at = chain::root(&surface, &corners, &surface.details);
         for _ in 0..2 {
-            let (finer, step) =
-                chain::refine(&surface, &corners, &surface.details, &at, &at.mesh.all_refinable());
+            let (finer, step) = chain::refine(&surface, &corners, &surface.details, &at, &at.mesh.all_refinable());
             assert_rows_sum_to_one(&step, &finer.mesh, &corners);
             at = finer;
         }

@@ -49,23 +49,61 @@ fn difference<C: Curve + ?Sized>(curve: &C, u: f64) -> DVec3 {
 
 /// placeholder until parameters.rs lands
 #[derive(Clone, Debug)]
-pub struct CurveParameters { #[allow(missing_docs)] pub curve: std::sync::Arc<dyn Curve>, #[allow(missing_docs)] pub u: Vec<f64> }
+pub struct CurveParameters {
+    #[allow(missing_docs)]
+    pub curve: std::sync::Arc<dyn Curve>,
+    #[allow(missing_docs)]
+    pub u: Vec<f64>,
+}
 impl CurveParameters {
     fn at(&self, l: u32, i: i64) -> f64 {
         let n = (self.u.len() as i64 - 1) << l;
-        if l == 0 { return if i < 0 { 2.0*self.u[0]-self.u[(-i) as usize] } else if i > n { 2.0*self.u[n as usize]-self.u[(2*n-i) as usize] } else { self.u[i as usize] } }
-        if i < 0 { return 2.0*self.at(l,0)-self.at(l,-i); }
-        if i > n { return 2.0*self.at(l,n)-self.at(l,2*n-i); }
-        if i % 2 == 0 { let k=i/2; if k==0 || k == n/2 { self.at(l-1,k) } else { ((self.at(l-1,k-1)+self.at(l-1,k+1))+6.0*self.at(l-1,k))/8.0 } }
-        else { let k=(i-1)/2; (self.at(l-1,k)+self.at(l-1,k+1))/2.0 }
+        if l == 0 {
+            return if i < 0 {
+                2.0 * self.u[0] - self.u[(-i) as usize]
+            } else if i > n {
+                2.0 * self.u[n as usize] - self.u[(2 * n - i) as usize]
+            } else {
+                self.u[i as usize]
+            };
+        }
+        if i < 0 {
+            return 2.0 * self.at(l, 0) - self.at(l, -i);
+        }
+        if i > n {
+            return 2.0 * self.at(l, n) - self.at(l, 2 * n - i);
+        }
+        if i % 2 == 0 {
+            let k = i / 2;
+            if k == 0 || k == n / 2 {
+                self.at(l - 1, k)
+            } else {
+                ((self.at(l - 1, k - 1) + self.at(l - 1, k + 1)) + 6.0 * self.at(l - 1, k)) / 8.0
+            }
+        } else {
+            let k = (i - 1) / 2;
+            (self.at(l - 1, k) + self.at(l - 1, k + 1)) / 2.0
+        }
     }
     #[allow(missing_docs)]
-    pub fn sample(&self, l: u32, i: u64) -> DVec3 { let (mut l, mut i) = (l, i as i64); while l > 0 && i % 2 == 0 { l-=1; i/=2; }
+    pub fn sample(&self, l: u32, i: u64) -> DVec3 {
+        let (mut l, mut i) = (l, i as i64);
+        while l > 0 && i % 2 == 0 {
+            l -= 1;
+            i /= 2;
+        }
         let n = (self.u.len() as i64 - 1) << l;
-        if i == 0 || i == n { return self.curve.position(self.at(l,i)); }
-        self.curve.position(((self.at(l,i-1)+self.at(l,i+1))+4.0*self.at(l,i))/6.0) }
+        if i == 0 || i == n {
+            return self.curve.position(self.at(l, i));
+        }
+        self.curve.position(((self.at(l, i - 1) + self.at(l, i + 1)) + 4.0 * self.at(l, i)) / 6.0)
+    }
     #[allow(missing_docs)]
-    pub fn count(&self, l: u32) -> u64 { ((self.u.len() as u64 - 1) << l) + 1 }
+    pub fn count(&self, l: u32) -> u64 {
+        ((self.u.len() as u64 - 1) << l) + 1
+    }
     #[allow(missing_docs)]
-    pub fn closed(&self) -> bool { false }
+    pub fn closed(&self) -> bool {
+        false
+    }
 }

@@ -9,6 +9,7 @@ use glam::DVec3;
 use selvedge_components::subdivision::{GivenVertex, Kind, LevelMesh, Origin, SideEnd, masks};
 
 use super::fit::{FitWork, Quantum, Stage};
+use super::modify::FIRST_ROUNDS;
 
 /// What smooth border vertices of valence 4 use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,7 +42,7 @@ impl FitWork {
         let open = &self.open;
         let mesh = &open.levels[0].mesh;
         let residuals = self.residuals_of_level();
-        let interpolating = open.round == 1;
+        let interpolating = open.level > 0 && open.round == 1;
         let irregular = |v: u32| {
             let vertex = mesh.vertices[v as usize];
             open.level > 0 && vertex.kind == Kind::Interior && vertex.valence != 6
@@ -60,7 +61,9 @@ impl FitWork {
                 _ => DVec3::ZERO,
             })
             .collect();
-        let more = !interpolating && open.movable.iter().any(|&v| irregular(v));
+        // Level 0 goes round again as the least-squares rule does: its residuals are not smooth yet.
+        let repeat = open.level == 0 && open.round + 1 < FIRST_ROUNDS;
+        let more = repeat || !interpolating && open.movable.iter().any(|&v| irregular(v));
         self.take_moves(&moves);
         self.open.round += 1;
         self.go_to(if more { Stage::Correspond } else { Stage::Refine })
