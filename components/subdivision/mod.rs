@@ -11,4 +11,4 @@ pub use address::{Address, FINEST_LEVEL, FaceCode};
 pub use corner::{CornerTable, Pull, SpecialCorner, interior_angle};
 pub use level::{GivenVertex, Kind, LevelMesh, LevelVertex, NONE, Origin, RingState, SideEnd};
 pub use stencil::{LevelState, LimitRows, Rows, Step};
-pub use surface::{Border, CornerRule, Details, Ends, Heading, LoopSurface, Side};
+pub use surface::{Border, CornerRule, Details, Ends, Heading, LoopSurface, Side, plain_sides};

@@ -36,6 +36,41 @@ pub struct Side {
     pub border: Border,
 }
 
+impl LoopSurface {
+    /// A surface whose borders are all plain, with the `corners` that are declared; those that do
+    /// not lie on a border mean nothing and are passed over.
+    pub fn plain(mesh: Arc<Connectivity>, points: Vec<DVec3>, corners: &[VertexId]) -> Self {
+        let sides = plain_sides(&mesh, corners);
+        Self { mesh, points, sides, corner_rule: CornerRule::default(), details: Details::default() }
+    }
+}
+
+/// The borders of `mesh` as plain sides, cut at the `corners`; by border loop, then along it.
+pub fn plain_sides(mesh: &Connectivity, corners: &[VertexId]) -> Vec<Side> {
+    let mut declared = vec![false; mesh.vertex_count()];
+    for corner in corners.iter().filter(|c| c.index() < declared.len()) {
+        declared[corner.index()] = true;
+    }
+    let mut sides = Vec::new();
+    for mut walk in mesh.border_loops() {
+        let Some(first) = walk.iter().position(|v| declared[v.index()]) else {
+            sides.push(Side { vertices: walk, ends: Ends::Closed, border: Border::Plain });
+            continue;
+        };
+        walk.rotate_left(first);
+        walk.push(walk[0]);
+        let mut begin = 0;
+        for end in 1..walk.len() {
+            if declared[walk[end].index()] {
+                let vertices = walk[begin..=end].to_vec();
+                sides.push(Side { vertices, ends: Ends::Corners, border: Border::Plain });
+                begin = end;
+            }
+        }
+    }
+    sides
+}
+
 impl Side {
     /// How many edges it has on the root mesh.
     pub fn edge_count(&self) -> usize {

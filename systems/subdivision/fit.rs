@@ -213,6 +213,16 @@ pub enum FitError {
         /// The finest possible.
         finest: u32,
     },
+    /// The source's own details are so deep that even its coarsest fit would have too many faces.
+    #[error("the source has details on {depth} levels: fitting it anew begins with {faces} faces, more than {limit}")]
+    SourceTooDeep {
+        /// Levels of details.
+        depth: u32,
+        /// Faces to begin with.
+        faces: u64,
+        /// How many there may be.
+        limit: u64,
+    },
     /// A control point or curve sample is not finite.
     #[error("the surface is not finite at {vertex:?}: {at}")]
     NotFinite {
@@ -292,8 +302,9 @@ impl FitWork {
         check_options(&surface, &options)?;
         let corners = CornerTable::new(&surface);
         let details = surface.details.clone();
-        let faces = region::whole(&surface.mesh, 0);
-        let mut open = OpenLevel::new(&surface, &corners, &details, 0, faces);
+        let level = first_level(&surface)?;
+        let faces = region::whole(&surface.mesh, level);
+        let mut open = OpenLevel::new(&surface, &corners, &details, level, faces);
         for (v, &at) in open.levels[0].state.effective.iter().enumerate() {
             if !at.is_finite() {
                 return Err(FitError::NotFinite { vertex: VertexId::new(v), at });
@@ -411,6 +422,20 @@ pub struct ErrorMap {
     pub errors: Vec<f64>,
     /// Three points each.
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// The level that a fit begins with: 0, or the one at which measuring two levels deeper meets the
+/// finest of the source's own details.
+fn first_level(surface: &LoopSurface) -> Result<u32, FitError> {
+    /// 4^11: some seconds of work, and about 3 GiB two levels deeper.
+    const MOST_FACES: u64 = 1 << 22;
+    let depth = surface.details.depth();
+    let level = depth.saturating_sub(3);
+    let faces = (surface.mesh.face_count() as u64).saturating_mul(1 << (2 * level).min(62));
+    if level > 0 && faces > MOST_FACES {
+        return Err(FitError::SourceTooDeep { depth, faces, limit: MOST_FACES });
+    }
+    Ok(level)
 }
 
 fn check_options(surface: &LoopSurface, options: &FitOptions) -> Result<(), FitError> {

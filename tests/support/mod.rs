@@ -144,14 +144,7 @@ pub fn detail(height: fn(DVec2) -> f64, at: DVec2) -> f64 {
 /// A surface whose borders are all plain and without corners.
 pub fn plain(points: Vec<DVec3>, triangles: &[[u32; 3]]) -> LoopSurface {
     let mesh = Connectivity::new(points.len(), triangles).expect("the test's mesh is a manifold");
-    let side = |vertices| Side { vertices, ends: Ends::Closed, border: Border::Plain };
-    LoopSurface {
-        sides: mesh.border_loops().into_iter().map(side).collect(),
-        mesh: Arc::new(mesh),
-        points,
-        corner_rule: CornerRule::Lattice,
-        details: Details::default(),
-    }
+    LoopSurface::plain(Arc::new(mesh), points, &[])
 }
 
 /// An arc of a great circle of radius `radius`, from one axis to the next.
