@@ -48,8 +48,10 @@ impl LoopSurface {
 /// The borders of `mesh` as plain sides, cut at the `corners`; by border loop, then along it.
 pub fn plain_sides(mesh: &Connectivity, corners: &[VertexId]) -> Vec<Side> {
     let mut declared = vec![false; mesh.vertex_count()];
-    for corner in corners.iter().filter(|c| c.index() < declared.len()) {
-        declared[corner.index()] = true;
+    for corner in corners {
+        if let Some(slot) = declared.get_mut(corner.index()) {
+            *slot = true;
+        }
     }
     let mut sides = Vec::new();
     for mut walk in mesh.border_loops() {
