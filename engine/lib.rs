@@ -1,1 +1,4 @@
 //! selvedge trims curved surfaces.
+
+#[cfg(feature = "diagram")]
+pub mod diagram;
