@@ -1,8 +1,11 @@
 //! Combined Loop subdivision: masks, borders, details, evaluation.
 
 mod address;
+pub mod boxspline;
 pub mod masks;
+pub mod plain;
 mod surface;
 
 pub use address::{Address, FINEST_LEVEL, FaceCode};
+pub use plain::{PlainError, PlainLoop, PlainTopology, VertexRule};
 pub use surface::{Border, CornerRule, Details, Ends, Heading, LoopSurface, Side};
