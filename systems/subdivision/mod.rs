@@ -1,9 +1,11 @@
-//! Combined Loop subdivision: the stages of fitting and trimming.
+//! Combined Loop subdivision: evaluation in bulk, triangles, and the stages of fitting and trimming.
 
 pub mod chain;
 pub mod correspond;
 pub mod fit;
+mod lanes;
 pub mod modify;
 pub mod quasi;
 pub mod refine;
 pub mod region;
+pub mod tessellate;
