@@ -5,7 +5,8 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::address::Address;
-use crate::curve::CurveParameters;
+pub use crate::curve::Heading;
+use crate::curve::{CurveParameters, Traversal};
 use crate::mesh::{Connectivity, VertexId};
 
 /// A combined Loop subdivision surface with multiresolution details. [Litke et al. 2001, Section 2]
@@ -83,13 +84,7 @@ impl Side {
     /// first vertex; `None` on a plain side.
     pub fn curve_index(&self, level: u32, step: u64) -> Option<u64> {
         let Border::Given { curve, first, heading } = &self.border else { return None };
-        let first = first << level;
-        Some(match (heading, curve.closed()) {
-            (Heading::Along, false) => first + step,
-            (Heading::Along, true) => (first + step) % curve.count(level),
-            (Heading::Against, false) => first - step,
-            (Heading::Against, true) => (first + curve.count(level) - step) % curve.count(level),
-        })
+        Some(Traversal { first: *first, heading: *heading }.vertex(curve, level, step))
     }
 }
 
@@ -116,15 +111,6 @@ pub enum Border {
         /// Which way the side walks along the curve.
         heading: Heading,
     },
-}
-
-/// Which way a side walks along its curve.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Heading {
-    /// Parameters rise along the side.
-    Along,
-    /// Parameters fall along the side.
-    Against,
 }
 
 /// What acts on the interior edges that start at a corner.

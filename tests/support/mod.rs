@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{DMat2, DVec2, DVec3};
-use selvedge_components::curve::{Curve, CurveParameters};
+use selvedge_components::curve::{Curve, CurveParameters, Extent};
 use selvedge_components::mesh::{Connectivity, VertexId};
 use selvedge_components::subdivision::{Border, CornerRule, Details, Ends, Heading, LoopSurface, Side};
 
@@ -123,7 +123,7 @@ pub fn graph(patch: &Patch, height: fn(DVec2) -> f64) -> LoopSurface {
 
 /// Parameters from corner to corner of a curve.
 pub fn parameters(curve: Arc<dyn Curve>, list: Vec<f64>) -> Arc<CurveParameters> {
-    Arc::new(CurveParameters { curve, u: list })
+    Arc::new(CurveParameters::new(curve, Extent::Open, list, &[]).expect("the list ascends from corner to corner"))
 }
 
 /// A side that walks along its curve.
