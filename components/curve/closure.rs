@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn it_is_used_as_an_object_and_says_what_was_stated() {
-        let curve = FnCurve::new(|u| DVec3::splat(u)).closed().with_corners(vec![0.0, 0.5]).with_revision(7);
+        let curve = FnCurve::new(DVec3::splat).closed().with_corners(vec![0.0, 0.5]).with_revision(7);
         let curve: Arc<dyn Curve> = Arc::new(curve);
         assert_eq!(curve.position(0.25), DVec3::splat(0.25));
         assert_eq!((curve.closed(), curve.corners(), curve.revision()), (true, [0.0, 0.5].as_slice(), 7));

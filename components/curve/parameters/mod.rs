@@ -229,6 +229,19 @@ impl CurveParameters {
         derivative * self.span(self.wrapped(edge)).rate(s)
     }
 
+    /// The derivative of the border at `vertex` of `level`, on one branch; at the ends of an open
+    /// list on the branch there is. In model units per edge of level 0, whatever the level.
+    pub fn velocity(&self, level: u32, vertex: u64, branch: Branch) -> DVec3 {
+        let Place { edge, share } = self.place(level, vertex);
+        let edge = edge as u64;
+        match (branch, self.extent) {
+            (Branch::Before, Extent::Closed) if share == 0.0 => self.velocity_on(edge + self.edge_count(0) - 1, 1.0),
+            (Branch::Before, Extent::Open) if share == 0.0 && edge > 0 => self.velocity_on(edge - 1, 1.0),
+            _ => self.velocity_on(edge, share),
+        }
+    }
+
+    /// Turns a closed list so that it begins at its smallest parameter.
     fn begin_at_smallest(&mut self) {
         let count = self.base.len();
         let first = self.next_turn % count;
