@@ -66,14 +66,17 @@ enum Direction {
     Opposite,
 }
 
-/// The half-edge across each half-edge and how the two run, where exactly two faces meet.
-fn neighbours(faces: &[[u32; 3]], groups: &EdgeGroups) -> Vec<Option<(u32, Direction)>> {
-    let mut across = vec![None; 3 * faces.len()];
+/// The face across each side of each face and how the two run, where exactly two faces meet.
+type Across = [Option<(usize, Direction)>; 3];
+
+fn neighbours(faces: &[[u32; 3]], groups: &EdgeGroups) -> Vec<Across> {
+    let mut across: Vec<Across> = vec![[None; 3]; faces.len()];
     for group in groups.iter() {
         if let [(_, a), (_, b)] = *group {
             let how = if run_alike(faces, a, b) { Direction::Alike } else { Direction::Opposite };
-            across[a as usize] = Some((b, how));
-            across[b as usize] = Some((a, how));
+            let (a, b) = (a as usize, b as usize);
+            across[a / 3][a % 3] = Some((b / 3, how));
+            across[b / 3][b % 3] = Some((a / 3, how));
         }
     }
     across
@@ -81,27 +84,21 @@ fn neighbours(faces: &[[u32; 3]], groups: &EdgeGroups) -> Vec<Option<(u32, Direc
 
 /// Decides the turn of every face of the component of `seed`, or names the first edge at which the
 /// decisions clash. All its faces are decided either way.
-fn settle_component(
-    seed: usize,
-    faces: &[[u32; 3]],
-    across: &[Option<(u32, Direction)>],
-    turns: &mut [Turn],
-) -> Result<(), Fault> {
+fn settle_component(seed: usize, faces: &[[u32; 3]], across: &[Across], turns: &mut [Turn]) -> Result<(), Fault> {
     turns[seed] = Turn::Keep;
     let mut component = vec![seed];
     let mut clash = Ok(());
     let mut next = 0;
     while let Some(&f) = component.get(next) {
         next += 1;
-        for h in 3 * f..3 * f + 3 {
-            let Some((twin, how)) = across[h] else { continue };
-            let other = twin as usize / 3;
+        for (i, neighbour) in across[f].iter().enumerate() {
+            let Some((other, how)) = *neighbour else { continue };
             let wanted = if how == Direction::Opposite { turns[f] } else { turns[f].reversed() };
             if turns[other] == Turn::Unknown {
                 turns[other] = wanted;
                 component.push(other);
             } else if turns[other] != wanted && clash.is_ok() {
-                clash = Err(Fault::NonOrientable { face: FaceId::new(seed), ends: edge(faces, h as u32) });
+                clash = Err(Fault::NonOrientable { face: FaceId::new(seed), ends: edge(faces, (3 * f + i) as u32) });
             }
         }
     }
