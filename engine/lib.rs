@@ -1,1 +1,3 @@
 //! selvedge trims curved surfaces.
+
+pub mod io;

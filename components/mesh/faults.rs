@@ -124,9 +124,9 @@ impl Fault {
 /// Every defect of the connectivity of `faces` over vertices `0..vertex_count`, in the order of the
 /// enum, each kind by index. Empty for an oriented 2-manifold.
 ///
-/// Faces that are themselves wrong (an index out of range, a vertex twice) tear holes whose rims
-/// would be called faults too, so where there are any, edges and vertices are not judged. A repeated
-/// face tears none: it is listed and set aside, and the rest is judged without it.
+/// Faces that name a vertex twice or repeat another face are listed and set aside, and the rest is
+/// judged without them. An index out of range tears a hole whose rim would be called a fault too, so
+/// where there is one, edges and vertices are not judged.
 /// [`Fault::NonOrientable`] is for [`orient`](super::orient) to find.
 ///
 /// Costs O(vertices + faces log(valence)).
@@ -137,25 +137,25 @@ pub fn faults(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<Fault> {
 /// [`faults`], or the grouped half-edges of a mesh that has none.
 pub(super) fn inspect(vertex_count: usize, faces: &[[u32; 3]]) -> Result<EdgeGroups, Vec<Fault>> {
     let mut found = face_faults(vertex_count, faces);
-    if !found.is_empty() {
-        return Err(found);
-    }
-    let repeated = duplicate_faces(faces);
-    if repeated.is_empty() {
+    if found.is_empty() {
         let groups = EdgeGroups::new(vertex_count, faces);
-        found.extend(surface_faults(vertex_count, faces, &groups));
+        found = surface_faults(vertex_count, faces, &groups);
+        found.extend(unused_vertices(vertex_count, faces));
         return if found.is_empty() { Ok(groups) } else { Err(found) };
     }
-    let mut first = vec![true; faces.len()];
-    for &(_, second) in &repeated {
-        first[second as usize] = false;
+    if found.iter().all(|fault| matches!(fault, Fault::DegenerateFace { .. } | Fault::DuplicateFace { .. })) {
+        let mut sound = vec![true; faces.len()];
+        for fault in &found {
+            if let Fault::DegenerateFace { face: aside, .. } | Fault::DuplicateFace { second: aside, .. } = fault {
+                sound[aside.index()] = false;
+            }
+        }
+        let names: Vec<u32> = (0..faces.len() as u32).filter(|&f| sound[f as usize]).collect();
+        let rest: Vec<[u32; 3]> = names.iter().map(|&f| faces[f as usize]).collect();
+        let more = surface_faults(vertex_count, &rest, &EdgeGroups::new(vertex_count, &rest));
+        found.extend(more.into_iter().map(|fault| fault.rename_faces(|f| FaceId(names[f.index()]))));
+        found.extend(unused_vertices(vertex_count, faces));
     }
-    let kept: Vec<u32> = (0..faces.len() as u32).filter(|&f| first[f as usize]).collect();
-    let once: Vec<[u32; 3]> = kept.iter().map(|&f| faces[f as usize]).collect();
-    found.extend(repeated.iter().map(|&(a, b)| Fault::DuplicateFace { first: FaceId(a), second: FaceId(b) }));
-    let groups = EdgeGroups::new(vertex_count, &once);
-    let rest = surface_faults(vertex_count, &once, &groups);
-    found.extend(rest.into_iter().map(|fault| fault.rename_faces(|f| FaceId(kept[f.index()]))));
     Err(found)
 }
 
@@ -165,7 +165,7 @@ pub fn position_faults(positions: &[DVec3]) -> Vec<Fault> {
     bad.map(|(v, &at)| Fault::NotFinite { vertex: VertexId::new(v), at }).collect()
 }
 
-/// Faults of the list as a whole and of single faces, judged without their neighbours.
+/// Faults of the list as a whole and of faces judged without their neighbours.
 pub(super) fn face_faults(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<Fault> {
     // Half-edges are three to a face, and the last id is kept for "none".
     let limits = [("vertices", vertex_count, u32::MAX as usize - 1), ("faces", faces.len(), u32::MAX as usize / 3 - 1)];
@@ -177,28 +177,26 @@ pub(super) fn face_faults(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<Fault>
     if faces.is_empty() {
         return vec![Fault::Empty];
     }
-    let mut degenerate = Vec::new();
-    for (f, corners) in faces.iter().enumerate() {
-        let face = FaceId::new(f);
-        for &index in corners.iter().filter(|&&i| i as usize >= vertex_count) {
-            found.push(Fault::IndexOutOfRange { face, index, vertex_count });
-        }
-        let [a, b, c] = *corners;
-        if a == b || a == c {
-            degenerate.push(Fault::DegenerateFace { face, vertex: VertexId(a) });
-        } else if b == c {
-            degenerate.push(Fault::DegenerateFace { face, vertex: VertexId(b) });
-        }
+    let all = || faces.iter().enumerate().map(|(f, &corners)| (FaceId::new(f), corners));
+    for (face, corners) in all() {
+        let beyond = corners.into_iter().filter(|&index| index as usize >= vertex_count);
+        found.extend(beyond.map(|index| Fault::IndexOutOfRange { face, index, vertex_count }));
     }
-    found.append(&mut degenerate);
+    let degenerate = all().filter_map(|(face, corners)| Some((face, repeated_corner(corners)?)));
+    found.extend(degenerate.map(|(face, vertex)| Fault::DegenerateFace { face, vertex }));
+    found.extend(duplicate_faces(faces));
     found
 }
 
-/// Every face whose corners, in whatever order, are those of an earlier one: `(first, repeat)`,
-/// ascending.
-pub(super) fn duplicate_faces(faces: &[[u32; 3]]) -> Vec<(u32, u32)> {
+/// The corner that a face names more than once.
+fn repeated_corner([a, b, c]: [u32; 3]) -> Option<VertexId> {
+    if a == b || a == c { Some(VertexId(a)) } else { (b == c).then_some(VertexId(b)) }
+}
+
+/// Every face whose corners, in whatever order, are those of an earlier one.
+fn duplicate_faces(faces: &[[u32; 3]]) -> Vec<Fault> {
     let mut keys: Vec<([u32; 3], u32)> = Vec::with_capacity(faces.len());
-    for (f, corners) in faces.iter().enumerate() {
+    for (f, corners) in faces.iter().enumerate().filter(|&(_, &corners)| repeated_corner(corners).is_none()) {
         let mut sorted = *corners;
         sorted.sort_unstable();
         keys.push((sorted, f as u32));
@@ -207,7 +205,7 @@ pub(super) fn duplicate_faces(faces: &[[u32; 3]]) -> Vec<(u32, u32)> {
     let runs = keys.chunk_by(|a, b| a.0 == b.0);
     let mut repeats: Vec<_> = runs.flat_map(|run| run[1..].iter().map(|again| (run[0].1, again.1))).collect();
     repeats.sort_unstable();
-    repeats
+    repeats.into_iter().map(|(a, b)| Fault::DuplicateFace { first: FaceId(a), second: FaceId(b) }).collect()
 }
 
 /// Faults of edges and vertices.
@@ -229,7 +227,7 @@ fn surface_faults(vertex_count: usize, faces: &[[u32; 3]], groups: &EdgeGroups) 
         }
     }
     found.append(&mut windings);
-    found.extend(vertex_faults(vertex_count, faces, groups));
+    found.extend(split_vertices(vertex_count, faces, groups));
     found
 }
 
@@ -249,17 +247,22 @@ fn face(h: u32) -> FaceId {
     FaceId(h / 3)
 }
 
-/// Vertices of several fans, and vertices of no face. A fan is a set of corners of one vertex that
-/// are linked through shared edges, however many faces share them: what is wrong about an edge of
-/// three faces is said of the edge, and not again of its ends.
-fn vertex_faults(vertex_count: usize, faces: &[[u32; 3]], groups: &EdgeGroups) -> Vec<Fault> {
-    let fans = count_fans(vertex_count, faces, groups);
-    let vertices = || fans.iter().enumerate().map(|(v, &fans)| (VertexId::new(v), fans));
-    let many = vertices().filter(|&(_, fans)| fans > 1);
-    let none = vertices().filter(|&(_, fans)| fans == 0);
-    many.map(|(vertex, fans)| Fault::NonManifoldVertex { vertex, fans })
-        .chain(none.map(|(vertex, _)| Fault::UnusedVertex { vertex }))
-        .collect()
+/// Vertices of several fans. A fan is a set of corners of one vertex that are linked through shared
+/// edges, however many faces share them: what is wrong about an edge of three faces is said of the
+/// edge, and not again of its ends.
+fn split_vertices(vertex_count: usize, faces: &[[u32; 3]], groups: &EdgeGroups) -> impl Iterator<Item = Fault> {
+    let fans = count_fans(vertex_count, faces, groups).into_iter().enumerate();
+    fans.filter(|&(_, fans)| fans > 1).map(|(v, fans)| Fault::NonManifoldVertex { vertex: VertexId::new(v), fans })
+}
+
+/// Vertices that no face names, not even one that has a fault.
+fn unused_vertices(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<Fault> {
+    let mut used = vec![false; vertex_count];
+    for &v in faces.as_flattened() {
+        used[v as usize] = true;
+    }
+    let unused = used.iter().enumerate().filter(|&(_, &used)| !used);
+    unused.map(|(v, _)| Fault::UnusedVertex { vertex: VertexId::new(v) }).collect()
 }
 
 /// How many fans meet at each vertex: the classes of corners joined across shared edges.

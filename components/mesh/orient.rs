@@ -1,7 +1,7 @@
 //! Windings made to agree.
 
 use super::edges::EdgeGroups;
-use super::faults::{duplicate_faces, edge, face_faults, run_alike};
+use super::faults::{edge, face_faults, run_alike};
 use super::{FaceId, Fault};
 
 /// What [`orient`] did.
@@ -20,14 +20,10 @@ pub struct Oriented {
 /// side of a closed component is outside is not asked: one that is inside out as a whole stays so.
 ///
 /// # Errors
-/// What [`faults`](super::faults) says of single and of repeated faces, which come first; otherwise
+/// What [`faults`](super::faults) says of faces by themselves, which comes first; otherwise
 /// one [`Fault::NonOrientable`] for each component that admits no consistent winding.
 pub fn orient(vertex_count: usize, faces: &[[u32; 3]]) -> Result<Oriented, Vec<Fault>> {
     let mut found = face_faults(vertex_count, faces);
-    if found.is_empty() {
-        let repeated = duplicate_faces(faces);
-        found.extend(repeated.iter().map(|&(a, b)| Fault::DuplicateFace { first: FaceId(a), second: FaceId(b) }));
-    }
     if !found.is_empty() {
         return Err(found);
     }

@@ -33,13 +33,29 @@ fn more_vertices_than_ids_are_refused_before_anything_is_allocated() {
     assert_eq!(found, [Fault::TooMany { what: "vertices", count: usize::MAX, limit: u32::MAX as usize - 1 }]);
 }
 
+fn flat(face: u32, vertex: u32) -> Fault {
+    Fault::DegenerateFace { face: f(face), vertex: v(vertex) }
+}
+
 /// In the order of the enum, each kind by face; edges and vertices are not judged.
 #[test]
 fn every_face_that_is_wrong_by_itself_is_named() {
     let faces = [[0, 1, 1], [0, 1, 9], [u32::MAX, 1, 2], [2, 0, 2], [1, 1, 1]];
     let out = |face, index| Fault::IndexOutOfRange { face: f(face), index, vertex_count: 4 };
-    let flat = |face, vertex| Fault::DegenerateFace { face: f(face), vertex: v(vertex) };
     assert_eq!(faults(4, &faces), [out(1, 9), out(2, u32::MAX), flat(0, 1), flat(3, 2), flat(4, 1)]);
+}
+
+/// A face that names a vertex twice has no area and no place in a fan: the surface is what the
+/// others make of it. It still counts as a use of its vertices.
+#[test]
+fn degenerate_faces_are_named_and_set_aside() {
+    let mut faces = TETRAHEDRON.to_vec();
+    faces.insert(0, [0, 0, 1]);
+    faces.extend([[2, 4, 2], [2, 4, 2]]);
+    assert_eq!(faults(5, &faces), [flat(0, 0), flat(5, 2), flat(6, 2)]);
+    faces.push([0, 1, 5]);
+    let three = Fault::NonManifoldEdge { ends: [v(0), v(1)], faces: [1, 3, 7].map(f).to_vec() };
+    assert_eq!(faults(6, &faces), [flat(0, 0), flat(5, 2), flat(6, 2), three]);
 }
 
 /// A repeat is a repeat in whatever order its corners come, and hides no other fault.
