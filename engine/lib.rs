@@ -2,3 +2,5 @@
 
 #[cfg(feature = "diagram")]
 pub mod diagram;
+pub mod io;
+pub mod scenes;

@@ -1,0 +1,5 @@
+//! Ready-made scenes: the ones that the demo, the examples and the tests share.
+
+pub mod octant;
+#[cfg(feature = "diagram")]
+pub mod octant_pictures;
