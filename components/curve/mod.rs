@@ -4,6 +4,10 @@ use core::fmt::Debug;
 
 use glam::DVec3;
 
+mod space_curve;
+
+pub use space_curve::SpaceCurve;
+
 /// A piecewise smooth curve in space, evaluated at a parameter `u` in [0, 1].
 ///
 /// [`Curve::position`] is all that it takes: a curve is a black box to every stage. An
