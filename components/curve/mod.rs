@@ -36,6 +36,7 @@ mod parameters;
 mod polyline;
 mod reversed;
 mod segment;
+mod space_curve;
 mod tangent;
 
 use core::fmt::Debug;
@@ -60,6 +61,7 @@ pub use parameters::{CurveParameters, Heading, Traversal};
 pub use polyline::Polyline;
 pub use reversed::Reversed;
 pub use segment::Segment;
+pub use space_curve::SpaceCurve;
 pub use tangent::{Branch, CORNER_TURN, tangent, turn};
 
 /// A piecewise smooth curve in space, evaluated at a parameter `u` in [0, 1].

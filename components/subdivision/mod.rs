@@ -3,6 +3,8 @@
 mod address;
 pub mod boxspline;
 mod corner;
+mod entities;
+pub mod fit;
 mod lattice;
 mod level;
 pub mod masks;
@@ -12,6 +14,9 @@ mod surface;
 
 pub use address::{Address, FINEST_LEVEL, FaceCode};
 pub use corner::{CornerTable, Pull, SpecialCorner, interior_angle};
+pub use entities::{
+    Cage, ControlPointIndex, ControlPointOf, ControlPoints, Detail, DetailLevel, DetailOf, Position, Sides, Snapshot,
+};
 pub use lattice::{Lattice, TooFine};
 pub use level::{GivenVertex, Kind, LevelMesh, LevelVertex, NONE, Origin, RingState, SideEnd};
 pub use plain::{PlainError, PlainLoop, PlainTopology, VertexRule};

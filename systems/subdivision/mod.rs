@@ -3,9 +3,13 @@
 pub mod chain;
 pub mod correspond;
 pub mod fit;
+pub mod job;
 mod lanes;
 pub mod modify;
 pub mod quasi;
 pub mod refine;
 pub mod region;
+mod system;
 pub mod tessellate;
+
+pub use system::{correspond_fits, modify_fits, refine_fits};

@@ -8,27 +8,10 @@
 use glam::DVec3;
 use selvedge_components::subdivision::{GivenVertex, Kind, LevelMesh, Origin, SideEnd, masks};
 
+pub use selvedge_components::subdivision::fit::{BoundaryStencil, CornerStencil};
+
 use super::fit::{FitWork, Quantum, Stage};
 use super::modify::FIRST_ROUNDS;
-
-/// What smooth border vertices of valence 4 use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BoundaryStencil {
-    /// `(apex - n1 - n2) / 6`: exact on quadratics.
-    Quadratic,
-    /// Three rows: exact on cubics; the quadratic one where the rows are not regular.
-    Cubic,
-}
-
-/// What corners use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CornerStencil {
-    /// The mean of the details just found at the two border neighbours, as printed.
-    Mean,
-    /// Extrapolation `2 d1 - d2` at valence 3 and the cubic stencil at valence 2: what contracts
-    /// best of the stencils that are exact on polynomials.
-    Mended,
-}
 
 /// Does the rule read the residual at vertex `v` of the finer level?
 pub(super) fn is_read(finer: &LevelMesh, v: u32) -> bool {

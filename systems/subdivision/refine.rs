@@ -11,7 +11,7 @@
 use glam::DVec3;
 use selvedge_components::subdivision::FaceCode;
 
-use super::fit::{FitError, FitWork, OpenLevel, Outcome, Quantum, Rung, Stage};
+use super::fit::{FitError, FitWork, OpenLevel, Outcome, Quantum, Rung, Stage, within};
 use super::region;
 use crate::parallel::map_in_order;
 
@@ -96,7 +96,7 @@ impl FitWork {
         let patches = self.open.patch_errors();
         let failing: Vec<FaceCode> = patches.iter().filter(|p| p.1 > self.limit()).map(|p| p.0).collect();
         let level = self.open.level + 1;
-        let faces = self.options.region.within(&self.surface, level, region::children(&failing));
+        let faces = within(&self.options.region, &self.surface, level, region::children(&failing));
         let mut next = OpenLevel::new(&self.surface, &self.corners, &self.details, level, faces);
         next.allow(&self.surface, &self.options.region);
         if next.movable.is_empty() {
