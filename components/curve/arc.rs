@@ -50,7 +50,7 @@ impl CircularArc {
     /// to its arm up to rounding; else it is moved into the plane across `normal`.
     ///
     /// # Errors
-    /// As [`CircularArc::from_axes`]; [`ShapeError::NoDirection`] if `start` lies on the axis.
+    /// As [`CircularArc::from_axes`]; [`ShapeError::OutOfRange`] for the radius if `start` lies on the axis.
     pub fn about(centre: DVec3, normal: DVec3, start: DVec3, sweep: f64) -> Result<Self, ShapeError> {
         let unit = normal.try_normalize().ok_or(ShapeError::NoDirection { what: "the normal", vector: normal })?;
         let arm = start - centre;

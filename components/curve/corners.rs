@@ -9,9 +9,17 @@ use super::{Curve, CurveError, angle, wrap};
 /// notch has, are told apart if they are farther apart than that.
 const COARSEST: u32 = 8;
 
-/// The last windows of the search are `2^-20` of the parameter wide. What still turns there is a
-/// corner: a rounding of a corner that tight is far below any sampling of the curve.
-const FINEST: u32 = 20;
+/// From windows `2^-20` of the parameter wide on, what keeps turning is a corner: a rounding of a
+/// corner that tight is far below any sampling of the curve.
+const FINE: u32 = 20;
+
+/// What has neither kept turning nor stopped by then, never will: windows of `2^-40` are a thousand
+/// roundings wide.
+const FINEST: u32 = 40;
+
+/// A smooth curve turns half as much in half a window, a corner as much as before. Between them, a
+/// corner that turns by `J` on a curve that turns by `b` in a window tells at `b < J / 2`.
+const KEPT: f64 = 0.75;
 
 /// How many windows are looked at before the curve is called rough. A smooth curve takes
 /// `256 + 4 * (its whole turning / the angle of a corner)`, a corner about 50 more: a curve of 50
@@ -37,8 +45,10 @@ pub struct Corner {
 /// The parameter range is cut into windows, and a window is halved as long as the chords before,
 /// in and after it turn by `turn` together. On a smooth curve the turning of a window falls with
 /// its width, so that no curvature, however high, is taken for a corner; across a corner it stays.
-/// A window that still turns at a width of 2^-20 holds a corner, which is then placed by halving
-/// on until the chords drown in rounding: to about 1e-15 of the curve's coordinates over its speed.
+/// A window that turns as much as one of twice its width, at 2^-20 or where rounding lets no
+/// narrower one be judged, holds a corner. It is placed by halving on until the chords drown in
+/// rounding: to about 1e-15 of the curve's coordinates over its speed. Curves evaluated in single
+/// precision are recognised, and judged by its rounding.
 ///
 /// Two corners are told apart if they are at least 2^-18 apart.
 ///
@@ -57,12 +67,14 @@ pub struct Corner {
 /// [`CurveError::NotFinite`] or [`CurveError::Panicked`]; [`CurveError::Rough`] for a curve that
 /// turns by `turn` nearly everywhere, whatever the width.
 pub fn find_corners(curve: &dyn Curve, turn: f64) -> Result<Vec<Corner>, CurveError> {
-    let search = Search { curve, closed: curve.closed(), turn };
+    let mut search = Search { curve, closed: curve.closed(), turn, rounding: f64::EPSILON };
+    search.rounding = search.precision()?;
     let groups = search.groups()?;
     let mut corners = Vec::with_capacity(groups.len());
     for group in groups {
         corners.push(search.placed(group)?);
     }
+    corners.retain(|corner| corner.turn >= turn);
     corners.sort_by(|a, b| a.u.total_cmp(&b.u));
     Ok(corners)
 }
@@ -72,6 +84,8 @@ struct Search<'a> {
     curve: &'a dyn Curve,
     closed: bool,
     turn: f64,
+    /// The relative rounding of the curve's coordinates.
+    rounding: f64,
 }
 
 /// A stretch of the parameter and how much the curve turns there. On a closed curve it may lie
@@ -80,44 +94,66 @@ struct Search<'a> {
 struct Window {
     from: f64,
     width: f64,
-    turning: f64,
+    angle: f64,
 }
 
-impl Window {
-    fn end(&self) -> f64 {
-        self.from + self.width
+/// How much the chords of a window turn, and by how much rounding may have turned them.
+#[derive(Clone, Copy, Debug)]
+struct Turning {
+    angle: f64,
+    noise: f64,
+}
+
+impl Turning {
+    /// Does it turn by `angle`, whatever rounding did?
+    fn is_at_least(&self, angle: f64) -> bool {
+        self.angle - self.noise >= angle
     }
 }
 
-/// What the chords around a window say.
-enum Turning {
-    /// They turn by this angle.
-    By(f64),
-    /// A chord reaches over the end of an open curve: narrower windows must tell.
-    OverTheEnd,
-    /// The curve moves by no more than rounding: nothing can be told, here or in narrower windows.
-    Still,
+/// A window yet to be looked at: `i` of `2^level`.
+#[derive(Clone, Copy, Debug)]
+struct Open {
+    level: u32,
+    i: u64,
+    /// How much the window that it is half of turns, if it could be judged.
+    parent: Option<f64>,
+    /// Did that one turn as much as its own parent?
+    is_kept: bool,
 }
 
 impl Search<'_> {
-    /// Windows that turn at the finest width, those that touch merged into the one that turns most.
+    /// Single precision if every coordinate of some points at long binary fractions has it.
+    fn precision(&self) -> Result<f64, CurveError> {
+        let is_single = |x: f64| f64::from(x as f32) == x;
+        for k in 0..8 {
+            let p = self.at((f64::from(k) + 0.381_966_011_250_105) / 8.0)?;
+            if !p.to_array().into_iter().all(is_single) {
+                return Ok(f64::EPSILON);
+            }
+        }
+        Ok(f64::from(f32::EPSILON))
+    }
+
+    /// Windows that hold a corner, those that touch merged into the one that turns most.
     fn groups(&self) -> Result<Vec<Window>, CurveError> {
         let mut groups: Vec<(Window, f64)> = Vec::new();
         self.survivors(&mut |window| match groups.last_mut() {
-            // A corner reaches into the chords of the windows on either side of its own.
-            Some((best, end)) if window.from <= *end + window.width => {
-                *end = window.end();
-                if window.turning > best.turning {
+            // A corner reaches into the chords of the windows on either side of its own, and rounding
+            // may hide one between them.
+            Some((best, end)) if window.from <= *end + 2.0 * window.width.max(best.width) => {
+                *end = window.from + window.width;
+                if window.angle > best.angle {
                     *best = window;
                 }
             }
-            _ => groups.push((window, window.end())),
+            _ => groups.push((window, window.from + window.width)),
         })?;
         // The last window of a closed curve is next to the first.
         if let (true, [(first, _), .., (last, end)]) = (self.closed, &mut groups[..])
-            && *end + first.width >= 1.0 + first.from
+            && 1.0 + first.from <= *end + 2.0 * first.width.max(last.width)
         {
-            if last.turning > first.turning {
+            if last.angle > first.angle {
                 *first = *last;
             }
             groups.pop();
@@ -125,33 +161,40 @@ impl Search<'_> {
         Ok(groups.into_iter().map(|(window, _)| window).collect())
     }
 
-    /// Calls `found` for every window that turns at the finest width, from left to right.
+    /// Calls `found` for every window that keeps turning, from left to right.
     fn survivors(&self, found: &mut impl FnMut(Window)) -> Result<(), CurveError> {
         let mut looked_at = 0;
-        let mut open: Vec<(u32, u32, f64)> = (0..1 << COARSEST).rev().map(|i| (COARSEST, i, 0.0)).collect();
-        while let Some((level, i, parent)) = open.pop() {
-            let width = f64::from(1_u32 << level).recip();
-            let from = f64::from(i) * width;
+        let first = (0..1 << COARSEST).rev();
+        let mut open: Vec<_> = first.map(|i| Open { level: COARSEST, i, parent: None, is_kept: false }).collect();
+        while let Some(Open { level, i, parent, is_kept }) = open.pop() {
+            let width = ((1_u64 << level) as f64).recip();
+            let from = i as f64 * width;
             looked_at += 1;
             if looked_at > MOST_WINDOWS {
                 return Err(CurveError::Rough { u: from, windows: MOST_WINDOWS, turn: self.turn });
             }
-            let split = match self.turning(from, width, self.turn)? {
-                Turning::By(by) if by < self.turn => continue,
-                Turning::By(by) => by,
-                Turning::OverTheEnd => parent,
-                // As far as rounding lets us see, what turned in the wider window turns here.
-                Turning::Still if parent > 0.0 => {
-                    found(Window { from, width, turning: parent });
+            let (angle, keeps) = match self.turning(from, width, self.turn)? {
+                None => (None, false),
+                Some(t) if t.is_at_least(self.turn) => {
+                    (Some(t.angle), parent.is_some_and(|angle| t.angle >= KEPT * angle))
+                }
+                Some(t) => {
+                    // Where rounding could hide it, what kept turning so far does so here.
+                    if let (true, Some(angle)) = (is_kept, parent)
+                        && t.angle + t.noise >= KEPT * angle
+                    {
+                        found(Window { from, width, angle });
+                    }
                     continue;
                 }
-                Turning::Still => continue,
             };
-            if level < FINEST {
-                open.push((level + 1, 2 * i + 1, split));
-                open.push((level + 1, 2 * i, split));
-            } else if split > 0.0 {
-                found(Window { from, width, turning: split });
+            match angle {
+                Some(angle) if level >= FINE && keeps => found(Window { from, width, angle }),
+                _ if level < FINEST => {
+                    let half = |i| Open { level: level + 1, i, parent: angle, is_kept: keeps };
+                    open.extend([half(2 * i + 1), half(2 * i)]);
+                }
+                _ => {}
             }
         }
         Ok(())
@@ -161,23 +204,21 @@ impl Search<'_> {
     fn placed(&self, window: Window) -> Result<Corner, CurveError> {
         let mut best = window;
         // Chords that turn by half of the corner still tell where it is.
-        let resolution = best.turning / 2.0;
+        let resolution = best.angle / 2.0;
         for _ in 0..MOST_HALVINGS {
             let mut narrower: Option<Window> = None;
             // Five windows of half the width, which overlap and reach beyond on both sides, so that
             // a wrong choice (curvature, rounding) is mended by the next; the middle one first.
             for quarter in [1.0, 0.0, 2.0, -1.0, 3.0] {
                 let (from, width) = (best.from + 0.25 * quarter * best.width, 0.5 * best.width);
-                if let Turning::By(turning) = self.turning(from, width, resolution)?
-                    && narrower.is_none_or(|w| turning > w.turning)
+                if let Some(turning) = self.turning(from, width, resolution)?
+                    && turning.is_at_least(narrower.map_or(resolution, |w| w.angle + turning.noise))
                 {
-                    narrower = Some(Window { from, width, turning });
+                    narrower = Some(Window { from, width, angle: turning.angle });
                 }
             }
             match narrower {
-                Some(window) if window.turning >= resolution && window.from + window.width > window.from => {
-                    best = window
-                }
+                Some(window) if window.from + window.width > window.from => best = window,
                 _ => break,
             }
         }
@@ -191,7 +232,7 @@ impl Search<'_> {
     /// most. A corner at a short binary fraction is met exactly.
     fn sharpest(&self, window: Window) -> Result<f64, CurveError> {
         let (mut best, mut most) = (window.from + 0.5 * window.width, 0.0);
-        for u in [best, window.from, window.end()] {
+        for u in [best, window.from, window.from + window.width] {
             let turn = self.chords_at(u, window.width)?;
             if turn > most {
                 (best, most) = (u, turn);
@@ -206,26 +247,29 @@ impl Search<'_> {
         Ok(angle::between(at - before, after - at))
     }
 
-    /// How much the three chords before, in and after the window turn, if rounding turns them by
-    /// less than an eighth of `wanted`.
-    fn turning(&self, from: f64, width: f64, wanted: f64) -> Result<Turning, CurveError> {
+    /// How much the three chords before, in and after the window turn; `None` where one of them
+    /// would reach over the end of an open curve. The chord inside is left out if rounding might
+    /// turn it by an eighth of `wanted`: a curve may come back to where it was.
+    fn turning(&self, from: f64, width: f64, wanted: f64) -> Result<Option<Turning>, CurveError> {
         let (start, end) = (from - width, from + 2.0 * width);
         if !self.closed && (start < 0.0 || end > 1.0) {
-            return Ok(Turning::OverTheEnd);
+            return Ok(None);
         }
         let [a, b, c, d] = [self.at(start)?, self.at(from)?, self.at(from + width)?, self.at(end)?];
-        // A chord of length l between points that are off by eps |p| each is off by 2 eps |p| / l.
-        let size = a.length().max(d.length());
-        let shortest = 8.0 * 2.0 * f64::EPSILON * size / wanted;
         let [before, inside, after] = [b - a, c - b, d - c];
-        if before.length() <= shortest || after.length() <= shortest {
-            return Ok(Turning::Still);
-        }
-        Ok(Turning::By(if inside.length() <= shortest {
-            angle::between(before, after)
+        // A chord between points that are each off by a rounding turns by twice that over its length.
+        let rounding = 2.0 * self.rounding * a.length().max(d.length());
+        let noise = rounding / before.length() + rounding / after.length();
+        let inner = 2.0 * rounding / inside.length();
+        let turning = if inner <= wanted / 8.0 {
+            let angle = angle::between(before, inside) + angle::between(inside, after);
+            Turning { angle, noise: noise + inner }
         } else {
-            angle::between(before, inside) + angle::between(inside, after)
-        }))
+            Turning { angle: angle::between(before, after), noise }
+        };
+        // At the origin of coordinates rounding and chords vanish together.
+        let noise = if turning.noise.is_nan() { f64::INFINITY } else { turning.noise };
+        Ok(Some(Turning { noise, ..turning }))
     }
 
     fn at(&self, u: f64) -> Result<DVec3, CurveError> {

@@ -30,12 +30,35 @@ fn smooth_curves_have_none_however_curved() {
 }
 
 #[test]
-fn a_smooth_curve_of_single_precision_has_none() {
-    let rough = FnCurve::new(|u| {
-        let p = DVec3::new((TAU * u).cos(), 0.1 * (TAU * u).sin(), 0.3);
-        p.as_vec3().as_dvec3()
-    });
-    assert_eq!(find_corners(&rough.closed(), CORNER_TURN), Ok(vec![]));
+fn a_curve_of_single_precision_has_its_corners_and_no_others() {
+    let single = |p: DVec3| p.as_vec3().as_dvec3();
+    for far in [0.0, 1.0, 1000.0] {
+        let ring = FnCurve::new(move |u| single(DVec3::new(far + (TAU * u).cos(), 0.1 * (TAU * u).sin(), 0.3)));
+        assert_eq!(find_corners(&ring.closed(), CORNER_TURN), Ok(vec![]), "{far}");
+    }
+    let star = (0..30).map(|k| (f64::from(k) / 30.0, if k % 2 == 0 { 1.0 } else { 0.4 }));
+    let star = star.map(|(turn, r)| r * DVec3::new((TAU * turn).cos(), (TAU * turn).sin(), 0.0));
+    let star = Polyline::closed(star.collect()).expect("a star");
+    let vertices = star.parameters().to_vec();
+    let rough = FnCurve::new(move |u| single(star.position(u))).closed();
+    let found = find_corners(&rough, CORNER_TURN).expect("finite");
+    assert_eq!(found.len(), 30);
+    // The rounding of single precision over the speed, which is about 19.
+    assert!(found.iter().zip(&vertices).all(|(c, u)| (c.u - u).abs() < 2.0 * f64::from(f32::EPSILON)));
+}
+
+/// A corner rounded off over a stretch `r` of the parameter is smooth as long as windows resolve it.
+#[test]
+fn a_tight_bend_is_smooth_down_to_the_finest_windows() {
+    let bend = |r: f64| FnCurve::new(move |u| DVec3::new(u, (r * r + (u - 0.437) * (u - 0.437)).sqrt(), 0.0));
+    for r in [0.1, 1e-2, 1e-3, 1e-4, 1e-5] {
+        assert_eq!(find_corners(&bend(r), CORNER_TURN), Ok(vec![]), "{r}");
+    }
+    for r in [1e-8, 1e-10, 0.0] {
+        let found = find_corners(&bend(r), CORNER_TURN).expect("finite");
+        assert!(found.len() == 1 && (found[0].u - 0.437).abs() < r + 1e-14, "{r}: {found:?}");
+        assert!((found[0].turn - FRAC_PI_2).abs() < 0.1, "{r}: {found:?}");
+    }
 }
 
 proptest! {

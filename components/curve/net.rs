@@ -11,9 +11,6 @@ use super::{ShapeError, mix};
 /// degrees beyond stand for the curve no better: their influence, `C(63, 31) 2^-63`, spreads thin.
 pub const MAX_DEGREE: usize = 63;
 
-/// Nearly all curves are of degree up to 7; clearing the longer array would cost more than they do.
-const FEW: usize = 8;
-
 /// Control points.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Net {
@@ -124,18 +121,32 @@ impl Mix for Weighted {
 }
 
 fn last_pair<T: Mix>(points: &[T], share: impl Fn(usize, usize) -> f64) -> [T; 2] {
-    if points.len() <= FEW {
-        reduce(&mut [T::default(); FEW], points, share)
-    } else {
-        reduce(&mut [T::default(); MAX_DEGREE + 1], points, share)
+    // Nearly all curves are of degree up to 5: with the number of points known, loops unroll and
+    // nothing is cleared.
+    match points.len() {
+        2 => few::<T, 2>(points, share),
+        3 => few::<T, 3>(points, share),
+        4 => few::<T, 4>(points, share),
+        5 => few::<T, 5>(points, share),
+        6 => few::<T, 6>(points, share),
+        count => {
+            let mut buffer = [T::default(); MAX_DEGREE + 1];
+            buffer[..count].copy_from_slice(points);
+            reduce(&mut buffer[..count], share)
+        }
     }
 }
 
-fn reduce<T: Mix>(buffer: &mut [T], points: &[T], share: impl Fn(usize, usize) -> f64) -> [T; 2] {
-    let rest = &mut buffer[..points.len()];
-    rest.copy_from_slice(points);
-    for step in 1..points.len() - 1 {
-        for i in 0..points.len() - step {
+fn few<T: Mix, const N: usize>(points: &[T], share: impl Fn(usize, usize) -> f64) -> [T; 2] {
+    let mut rest: [T; N] = core::array::from_fn(|i| points[i]);
+    reduce(&mut rest, share)
+}
+
+#[inline(always)]
+fn reduce<T: Mix>(rest: &mut [T], share: impl Fn(usize, usize) -> f64) -> [T; 2] {
+    let count = rest.len();
+    for step in 1..count - 1 {
+        for i in 0..count - step {
             rest[i] = T::mix(rest[i], rest[i + 1], share(step, i));
         }
     }

@@ -29,7 +29,8 @@ const REACH: f64 = 1.0 / 4096.0;
 /// there is. `None` if the curve stands still there or is not finite.
 ///
 /// Where the derivative vanishes but the curve moves on, as at a doubled control point, the
-/// direction is the limit of chords.
+/// direction is the limit of chords. The curve is called as it is; put a black box under
+/// [`GuardedCurve`](super::GuardedCurve) first.
 ///
 /// ```
 /// use glam::DVec3;

@@ -48,6 +48,8 @@ use super::{Branch, Curve, Extent, ParameterError, wrap};
 pub struct CurveParameters {
     curve: Arc<dyn Curve>,
     extent: Extent,
+    /// Is the curve closed, so that parameters are counted round?
+    wraps: bool,
     /// In the direction of the curve, each as it was given.
     base: Vec<f64>,
     /// Of an open list across the place where a closed curve begins, the first index after it.
@@ -82,8 +84,9 @@ impl CurveParameters {
         for &index in corners {
             *corner.get_mut(index).ok_or(ParameterError::CornerIndex { index, count })? = true;
         }
-        let next_turn = next_turn(&parameters, extent, curve.closed())?;
-        let mut built = Self { curve, extent, base: parameters, next_turn, corner, rotation: 0 };
+        let wraps = curve.closed();
+        let next_turn = next_turn(&parameters, extent, wraps)?;
+        let mut built = Self { curve, extent, wraps, base: parameters, next_turn, corner, rotation: 0 };
         if extent == Extent::Closed {
             built.begin_at_smallest();
         }
@@ -185,7 +188,8 @@ impl CurveParameters {
     /// The parameter at which the curve is sampled for `vertex` at `level`: the limit of its
     /// coefficient. In [0, 1); 1 itself only at the end of an open curve.
     pub fn parameter(&self, level: u32, vertex: u64) -> f64 {
-        self.parameter_at(self.place(level, vertex))
+        let place = self.place(level, vertex);
+        self.read(&self.span(place.edge), place)
     }
 
     /// The sample for `vertex` at `level`: the curve at [`CurveParameters::parameter`].
@@ -195,7 +199,14 @@ impl CurveParameters {
 
     /// All parameters of a level, in the order of the curve.
     pub fn parameters(&self, level: u32) -> impl Iterator<Item = f64> + '_ {
-        (0..self.vertex_count(level)).map(move |vertex| self.parameter(level, vertex))
+        let cuts = 1_u64.checked_shl(level).unwrap_or(u64::MAX);
+        let edges = (0..self.edge_count(0) as usize).flat_map(move |edge| {
+            // One span for all its vertices: the bits are those of each asked for alone.
+            let span = self.span(edge);
+            (0..cuts).map(move |k| self.read(&span, Place { edge, share: k as f64 * power(level) }))
+        });
+        let end = (self.extent == Extent::Open).then(|| self.parameter(0, self.edge_count(0)));
+        edges.chain(end)
     }
 
     /// All samples of a level, in the order of the curve.
@@ -205,15 +216,8 @@ impl CurveParameters {
 
     /// The parameter at the share `s` in [0, 1] of an edge of level 0: the spline `u(t)` itself.
     pub fn parameter_on(&self, edge: u64, s: f64) -> f64 {
-        self.parameter_at(Place { edge: self.wrapped(edge), share: s.clamp(0.0, 1.0) })
-    }
-
-    fn parameter_at(&self, place: Place) -> f64 {
-        match self.vertex_at(place) {
-            // Kept as given: a turn added and taken away would cost the last digits.
-            Some(i) if self.is_fixed_at(i) => self.canonical(self.base[i]),
-            _ => self.canonical(self.span(place.edge).value(place.share, 0.0)),
-        }
+        let place = Place { edge: self.wrapped(edge), share: s.clamp(0.0, 1.0) };
+        self.read(&self.span(place.edge), place)
     }
 
     /// The point of the border at the share `s` in [0, 1] of an edge of level 0.
@@ -268,6 +272,16 @@ impl CurveParameters {
         Ok(())
     }
 
+    /// The parameter at a place on the edge of `span`.
+    fn read(&self, span: &Span, place: Place) -> f64 {
+        let u = match self.vertex_at(place) {
+            // Kept as given: a turn added and taken away would cost the last digits.
+            Some(i) if self.is_fixed_at(i) => self.base[i],
+            _ => span.value(place.share, 0.0),
+        };
+        if self.wraps { wrap(u) } else { u }
+    }
+
     /// The span of an edge of level 0: its coefficients, and beyond a fixed vertex the reflection.
     fn span(&self, edge: usize) -> Span {
         let (b, c) = (self.lift(edge as isize), self.lift(edge as isize + 1));
@@ -281,16 +295,22 @@ impl CurveParameters {
     /// begins. Those of a closed list go on beyond both ends.
     fn lift(&self, i: isize) -> f64 {
         let count = self.base.len() as isize;
-        let is_on = self.extent == Extent::Open && i >= self.next_turn as isize;
-        let turns = if is_on { 1.0 } else { i.div_euclid(count) as f64 };
-        self.base[i.rem_euclid(count) as usize] + turns
+        // One turn at most on either side, of which only closed lists have more than one vertex.
+        let (i, turns) = match i {
+            _ if i < 0 => (i + count, -1.0),
+            _ if i >= count => (i - count, 1.0),
+            _ if i >= self.next_turn as isize => (i, 1.0),
+            _ => (i, 0.0),
+        };
+        self.base[i as usize] + turns
     }
 
     /// The vertex of level 0 at a place, if there is one.
     fn vertex_at(&self, place: Place) -> Option<usize> {
         match place.share {
             0.0 => Some(place.edge),
-            1.0 => Some((place.edge + 1) % self.base.len()),
+            1.0 if place.edge + 1 < self.base.len() => Some(place.edge + 1),
+            1.0 => Some(0),
             _ => None,
         }
     }
@@ -298,7 +318,7 @@ impl CurveParameters {
     fn is_fixed_at(&self, i: usize) -> bool {
         let count = self.base.len();
         let is_end = self.extent == Extent::Open && (i == 0 || i == count - 1);
-        is_end || self.corner[i % count]
+        is_end || self.corner[if i < count { i } else { i - count }]
     }
 
     /// Where a vertex lies among the edges of level 0. The share is a dyadic number, the same at
@@ -307,6 +327,7 @@ impl CurveParameters {
         let count = self.vertex_count(level);
         let vertex = match self.extent {
             Extent::Open => vertex.min(count - 1),
+            Extent::Closed if vertex < count => vertex,
             Extent::Closed => vertex % count,
         };
         let edge = vertex.checked_shr(level).unwrap_or(0);
@@ -322,10 +343,6 @@ impl CurveParameters {
         let count = self.edge_count(0);
         let edge = if self.extent == Extent::Closed { edge % count } else { edge.min(count - 1) };
         edge as usize
-    }
-
-    fn canonical(&self, u: f64) -> f64 {
-        if self.curve.closed() { wrap(u) } else { u }
     }
 }
 

@@ -148,6 +148,15 @@ proptest! {
     }
 
     #[test]
+    fn a_whole_level_has_the_bits_of_its_vertices(gaps in gaps(3..9), shift in 0.0..1.0, level in 0_u32..7) {
+        for border in [closed(&gaps, shift, 0), open(&gaps, &[1])] {
+            let whole: Vec<_> = border.parameters(level).map(f64::to_bits).collect();
+            let each: Vec<_> = (0..border.vertex_count(level)).map(|i| border.parameter(level, i).to_bits()).collect();
+            prop_assert_eq!(whole, each);
+        }
+    }
+
+    #[test]
     fn ascending_stays_ascending(gaps in gaps(3..9), shift in 0.0..1.0, corner in 1_usize..8) {
         let inner = [corner.min(gaps.len() - 1)];
         for border in [closed(&gaps, shift, 0), open(&gaps, &inner)] {
