@@ -15,6 +15,9 @@ use super::error::DiagramError;
 /// No triangle is seen there.
 pub(super) const NOTHING: u32 = u32::MAX;
 
+/// The most samples along a side of a pixel.
+const MOST_PER_SIDE: usize = 4;
+
 /// The most samples of a picture: with eight bytes each, 2 GiB.
 const MOST_SAMPLES: u64 = 1 << 28;
 
@@ -75,7 +78,7 @@ pub(super) struct DepthBuffer {
 impl DepthBuffer {
     /// A buffer in which nothing is seen.
     pub fn new(frame: Frame) -> Result<Self, DiagramError> {
-        let per_side = frame.samples.clamp(1, 4);
+        let per_side = frame.samples.clamp(1, MOST_PER_SIDE as u32);
         let (width, height) = (frame.width, frame.height);
         let count = u64::from(width) * u64::from(height) * u64::from(per_side * per_side);
         let most_pixels = MOST_PIXELS.min(MOST_SAMPLES / u64::from(per_side * per_side));
@@ -142,14 +145,19 @@ impl DepthBuffer {
         let on_page = corners.map(|corner| corner.truncate() / corner.z * n);
         let low = on_page[0].min(on_page[1]).min(on_page[2]);
         let high = on_page[0].max(on_page[1]).max(on_page[2]);
-        // Sample (column, row) lies between (column, row) and (column + 1, row + 1).
-        let (low, high) = ((low - 1.0).floor().max(DVec2::ZERO), high.ceil());
+        // Sample c lies between c + 1/(2n) and c + 1 - 1/(2n); a thousandth is far above rounding.
+        let edge = 0.5 / n - 1e-3;
+        let (low, high) = (low + edge, high - edge);
         let most = DVec2::new(all.right as f64, all.bottom as f64);
-        if !(low.cmple(most).all() && high.cmpge(DVec2::ZERO).all()) {
+        if !(low.cmple(most + 1.0).all() && high.cmpge(DVec2::ZERO).all()) {
             return None;
         }
-        let high = high.min(most);
-        Some(Samples { left: low.x as usize, right: high.x as usize, top: low.y as usize, bottom: high.y as usize })
+        // Casts cut off what follows the point, which for what is not negative is `floor`.
+        let (low, high) = (low.max(DVec2::ZERO), high.min(most));
+        let area =
+            Samples { left: low.x as usize, right: high.x as usize, top: low.y as usize, bottom: high.y as usize };
+        // A triangle may slip between samples.
+        (area.left <= area.right && area.top <= area.bottom).then_some(area)
     }
 
     /// The samples of a row between which the triangle lies, never too few.
@@ -177,18 +185,21 @@ impl DepthBuffer {
         let part = 1.0 / n as f64;
         let shift = ((row % n) as f64 + 0.5) * part;
         let [e0, e1, e2] = triangle.edges;
-        let near = triangle.nearness;
+        // What does not change along the row, for each of the heights that samples in it take in turn.
+        let fixed: [[f64; 4]; MOST_PER_SIDE] = core::array::from_fn(|phase| {
+            let y = (row as f64 + (phase as f64 + 0.5) * part) * part;
+            [e0, e1, e2, triangle.nearness].map(|edge| edge.y * y + edge.z)
+        });
         let start = row * self.columns;
         let seen = self.nearness[start + left..=start + right].iter_mut();
         let owners = self.owner[start + left..=start + right].iter_mut();
         let mut phase = left % n;
         for (column, (seen, owner)) in (left..).zip(seen.zip(owners)) {
             let x = (column as f64 + shift) * part;
-            let y = (row as f64 + (phase as f64 + 0.5) * part) * part;
+            let [f0, f1, f2, near] = fixed[phase];
             phase = if phase + 1 == n { 0 } else { phase + 1 };
-            let at = |edge: DVec3| edge.x * x + (edge.y * y + edge.z);
-            if at(e0) >= 0.0 && at(e1) >= 0.0 && at(e2) >= 0.0 {
-                let nearness = at(near) as f32;
+            if e0.x * x + f0 >= 0.0 && e1.x * x + f1 >= 0.0 && e2.x * x + f2 >= 0.0 {
+                let nearness = (triangle.nearness.x * x + near) as f32;
                 if nearness > *seen {
                     (*seen, *owner) = (nearness, id);
                 }
