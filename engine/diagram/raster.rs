@@ -100,16 +100,23 @@ impl DepthBuffer {
         self.per_side
     }
 
-    /// Where sample (column, row) lies, in pixels.
-    pub fn place(&self, column: usize, row: usize) -> DVec2 {
-        let n = self.per_side;
-        let shift = |other: usize| ((other % n) as f64 + 0.5) / n as f64;
-        DVec2::new(column as f64 + shift(row), row as f64 + shift(column)) / n as f64
+    /// Where sample (i, j) of a pixel lies, seen from its upper left corner, in pixels.
+    pub fn offset(&self, i: usize, j: usize) -> DVec2 {
+        let n = self.per_side as f64;
+        let shifted = |along: usize, across: usize| (along as f64 + (across as f64 + 0.5) / n) / n;
+        DVec2::new(shifted(i, j), shifted(j, i))
     }
 
     /// The triangle seen at sample (column, row), or [`NOTHING`].
-    pub fn owner(&self, column: usize, row: usize) -> u32 {
+    #[cfg(test)]
+    fn owner(&self, column: usize, row: usize) -> u32 {
         self.owner[row * self.columns + column]
+    }
+
+    /// The triangles seen at the samples of row `j` of a pixel, or [`NOTHING`].
+    pub fn owners(&self, x: usize, y: usize, j: usize) -> &[u32] {
+        let n = self.per_side;
+        &self.owner[(y * n + j) * self.columns + x * n..][..n]
     }
 
     /// The nearness at the sample closest to a pixel's coordinates; `None` off the picture.
@@ -224,6 +231,12 @@ mod tests {
 
     const FRAME: Frame = Frame { width: 64, height: 48, samples: 3 };
 
+    /// Where sample (column, row) lies, in pixels.
+    fn place(buffer: &DepthBuffer, column: usize, row: usize) -> DVec2 {
+        let n = buffer.per_side;
+        DVec2::new((column / n) as f64, (row / n) as f64) + buffer.offset(column % n, row % n)
+    }
+
     fn camera(points: &[DVec3], perspective: bool) -> Camera {
         let view = View::from_angles(-70.0, 35.0).with_margin(0.0);
         let view = if perspective { view } else { view.orthographic() };
@@ -252,7 +265,7 @@ mod tests {
             // The outline is convex: a sample is inside if it lies on the same side of all of it.
             let on_picture: Vec<DVec3> = ring.iter().map(|&p| camera.homogeneous(p)).collect();
             for (row, column) in (0..buffer.rows).flat_map(|row| (0..buffer.columns).map(move |column| (row, column))) {
-                let at = buffer.place(column, row).extend(1.0);
+                let at = place(&buffer, column, row).extend(1.0);
                 let left_of = |i: usize| on_picture[i].cross(on_picture[(i + 1) % 97]).dot(at) > 0.0;
                 let inside = (1..97).all(|i| left_of(i) == left_of(0));
                 assert_eq!(buffer.owner(column, row) != NOTHING, inside, "column {column}, row {row}");
@@ -273,7 +286,7 @@ mod tests {
             let mut covered = 0;
             for row in 0..buffer.rows {
                 for column in 0..buffer.columns {
-                    let inside = triangle.edges.iter().all(|e| e.dot(buffer.place(column, row).extend(1.0)) >= 0.0);
+                    let inside = triangle.edges.iter().all(|e| e.dot(place(&buffer, column, row).extend(1.0)) >= 0.0);
                     assert_eq!(buffer.owner(column, row) == 7, inside, "{column} {row}");
                     covered += usize::from(inside);
                 }
