@@ -100,7 +100,9 @@ pub fn with_colour_bar(picture: &Canvas, scale: &ColourScale, text: f64) -> Resu
     // A tick each three ems leaves the eye room between labels.
     let ticks = ticks(scale, (length / (3.2 * text)) as usize);
     let heading = heading(scale);
-    let widest = ticks.iter().map(|tick| text_width(&tick.label, text)).fold(0.0, f64::max);
+    // Bars with labels of usual lengths are equally wide, so that pictures in a column stay in line.
+    let usual = text_width("100 nm", text);
+    let widest = ticks.iter().map(|tick| text_width(&tick.label, text)).fold(usual, f64::max);
     let needed = (1.7 * text + widest).max(text_width(&heading, text)) + 1.2 * text;
     let mut page = Canvas::new(picture.width() + needed.ceil() as u32, picture.height(), ground(picture))?;
     page.paste(picture, 0, 0);

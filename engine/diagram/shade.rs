@@ -225,8 +225,8 @@ const RIM: Lamp = Lamp {
     light: [0.20, 0.20, 0.22],
 };
 /// From all sides: above, and below.
-const SKY: [f32; 3] = [0.19, 0.205, 0.23];
-const GROUND: [f32; 3] = [0.105, 0.10, 0.095];
+const SKY: [f32; 3] = [0.18, 0.195, 0.22];
+const GROUND: [f32; 3] = [0.145, 0.135, 0.125];
 
 impl Lamp {
     fn falls_on(&self, normal: DVec3) -> f32 {
