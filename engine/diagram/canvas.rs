@@ -20,6 +20,14 @@ pub const MOST_SIDE: u32 = 1 << 14;
 /// The most pixels of a picture: 256 MiB.
 pub const MOST_PIXELS: u64 = 1 << 26;
 
+/// What lies farther off than this, or is larger, is no part of any picture here.
+const FARTHEST: f64 = 2.0 * MOST_SIDE as f64;
+
+/// Neither NaN nor far off the page.
+fn near(point: DVec2) -> bool {
+    point.abs().cmple(DVec2::splat(FARTHEST)).all()
+}
+
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
@@ -226,8 +234,7 @@ impl Canvas {
 
     /// A filled rectangle with round corners; the radius is cut to half the shorter side.
     pub fn round_rectangle(&mut self, low: DVec2, high: DVec2, radius: f64, fill: Colour) {
-        let most = f64::from(2 * MOST_SIDE);
-        if !(low.abs().max_element() < most && high.abs().max_element() < most && low.cmplt(high).all()) {
+        if !(near(low) && near(high) && low.cmplt(high).all()) {
             return;
         }
         let radius = radius.max(0.0).min(0.5 * (high - low).min_element());
@@ -236,9 +243,7 @@ impl Canvas {
 
     /// A filled circle.
     pub fn disc(&mut self, centre: DVec2, radius: f64, fill: Colour) {
-        // A circle with more than the longest side for its radius is no part of any picture here.
-        let most = f64::from(2 * MOST_SIDE);
-        if !(radius > 0.0 && radius <= most && centre.abs().max_element() <= most) {
+        if !(radius > 0.0 && radius <= FARTHEST && near(centre)) {
             return;
         }
         let mut path = PathBuilder::new();
@@ -248,9 +253,7 @@ impl Canvas {
 
     /// One line of text.
     pub fn text(&mut self, text: &str, at: DVec2, style: &TextStyle) {
-        // Beyond twice the longest side no letter reaches the page.
-        let most = f64::from(2 * MOST_SIDE);
-        if !(style.size > 0.0 && style.size <= most && style.rotation.is_finite() && at.abs().max_element() <= most) {
+        if !(style.size > 0.0 && style.size <= FARTHEST && style.rotation.is_finite() && near(at)) {
             return;
         }
         let Some(path) = font::outline(text, style.size) else { return };
@@ -259,7 +262,7 @@ impl Canvas {
         // A baseline on a whole pixel keeps the feet of upright letters sharp.
         let y = if style.rotation == 0.0 { (at.y + down).round() - down } else { at.y };
         let place = turned.post_translate(at.x as f32, y as f32);
-        if let Some((colour, width)) = style.halo.filter(|(_, width)| *width > 0.0 && *width <= most) {
+        if let Some((colour, width)) = style.halo.filter(|(_, width)| *width > 0.0 && *width <= FARTHEST) {
             let rim = tiny_skia::Stroke { width: 2.0 * width as f32, line_join: LineJoin::Round, ..Default::default() };
             self.pixels.stroke_path(&path, &paint(colour), &rim, place, None);
         }

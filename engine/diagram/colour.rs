@@ -47,10 +47,10 @@ pub fn encode(linear: f32) -> u8 {
 /// Linear light to an 8-bit sRGB channel that is rounded up where more than the part `threshold` of
 /// a step remains.
 pub(super) fn encode_above(linear: f32, threshold: f32) -> u8 {
-    // `max` drops NaN.
-    let linear = linear.max(0.0).min(1.0);
+    let linear = linear.clamp(0.0, 1.0);
     let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
-    (encoded * 255.0 + 1.0 - threshold).floor().min(255.0) as u8
+    // The cast cuts off, ends at 255, and makes NaN zero.
+    (encoded * 255.0 + 1.0 - threshold) as u8
 }
 
 /// An 8-bit sRGB channel to linear light in [0, 1] (IEC 61966-2-1).

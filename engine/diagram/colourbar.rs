@@ -95,36 +95,61 @@ fn heading(scale: &ColourScale) -> String {
 /// [`DiagramError::Size`] if the picture grows too wide.
 pub fn with_colour_bar(picture: &Canvas, scale: &ColourScale, text: f64) -> Result<Canvas, DiagramError> {
     let text = if text.is_finite() { text.clamp(4.0, 200.0) } else { 20.0 };
-    let height = f64::from(picture.height());
-    // A tick each four ems leaves the eye room between labels.
-    let bar = DVec2::new(0.0, 0.5 * height).with_x(f64::from(picture.width()) + 0.5 * text);
+    let (width, height) = (f64::from(picture.width()), f64::from(picture.height()));
     let length = (height - 6.0 * text).min(0.72 * height).max(0.25 * height);
-    let ticks = ticks(scale, ((length / (3.2 * text)) as usize).max(2));
+    // A tick each three ems leaves the eye room between labels.
+    let ticks = ticks(scale, (length / (3.2 * text)) as usize);
     let heading = heading(scale);
-    let widest = ticks.iter().map(|tick| text_width(&tick.label, text)).fold(0.0, f64::max);
-    let thick = 0.9 * text;
-    let needed = (thick + 0.8 * text + widest).max(text_width(&heading, text)) + 1.2 * text;
+    // Bars with labels of usual lengths are equally wide, so that pictures in a column stay in line.
+    let usual = text_width("100 nm", text);
+    let widest = ticks.iter().map(|tick| text_width(&tick.label, text)).fold(usual, f64::max);
+    let needed = (1.7 * text + widest).max(text_width(&heading, text)) + 1.2 * text;
     let mut page = Canvas::new(picture.width() + needed.ceil() as u32, picture.height(), ground(picture))?;
     page.paste(picture, 0, 0);
-    let (top, bottom) = ((bar.y - 0.5 * length).round(), (bar.y + 0.5 * length).round());
-    let (left, right) = (bar.x.round(), (bar.x + thick).round());
-    for y in top as i64..bottom as i64 {
-        let along = 1.0 - (y as f64 + 0.5 - top) / (bottom - top);
-        let colour = Colour::from_linear(scale.map.at(along));
-        page.rectangle(DVec2::new(left, y as f64), DVec2::new(right, y as f64 + 1.0), colour);
-    }
-    let hair = (text / 14.0).max(1.0);
-    let frame = [DVec2::new(left, top), DVec2::new(right, top), DVec2::new(right, bottom), DVec2::new(left, bottom)];
-    page.polyline(&frame, Ends::Closed, &Stroke::new(palette::INK, hair));
-    let style = TextStyle::new(text, palette::INK).anchored(Across::Left, Down::Middle);
-    for tick in &ticks {
-        let y = bottom - tick.along * (bottom - top);
-        let out = right + 0.35 * text;
-        page.line(DVec2::new(right, y), DVec2::new(out, y), &Stroke::new(palette::INK, hair));
-        page.text(&tick.label, DVec2::new(out + 0.3 * text, y), &style);
-    }
-    page.text(&heading, DVec2::new(left, top - 1.2 * text), &TextStyle::new(text, palette::INK));
+    let low = DVec2::new(width + 0.5 * text, 0.5 * (height - length)).round();
+    let bar = Bar { low, high: (low + DVec2::new(0.9 * text, length)).round(), text };
+    bar.draw_colours(scale, &mut page);
+    bar.draw_ticks(&ticks, &mut page);
+    page.text(&heading, DVec2::new(bar.low.x, bar.low.y - 1.2 * text), &TextStyle::new(text, palette::INK));
     Ok(page)
+}
+
+/// The bar itself, in pixels.
+struct Bar {
+    /// Its upper left corner.
+    low: DVec2,
+    /// Its lower right corner.
+    high: DVec2,
+    /// Pixels an em.
+    text: f64,
+}
+
+impl Bar {
+    fn draw_colours(&self, scale: &ColourScale, page: &mut Canvas) {
+        let (low, high) = (self.low, self.high);
+        for y in low.y as i64..high.y as i64 {
+            let y = y as f64;
+            let along = 1.0 - (y + 0.5 - low.y) / (high.y - low.y);
+            let colour = Colour::from_linear(scale.map.at(along));
+            page.rectangle(DVec2::new(low.x, y), DVec2::new(high.x, y + 1.0), colour);
+        }
+        let frame = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
+        page.polyline(&frame, Ends::Closed, &self.hair());
+    }
+
+    fn draw_ticks(&self, ticks: &[Tick], page: &mut Canvas) {
+        let style = TextStyle::new(self.text, palette::INK).anchored(Across::Left, Down::Middle);
+        for tick in ticks {
+            let from = DVec2::new(self.high.x, self.high.y - tick.along * (self.high.y - self.low.y));
+            let to = from + DVec2::new(0.35 * self.text, 0.0);
+            page.line(from, to, &self.hair());
+            page.text(&tick.label, to + DVec2::new(0.3 * self.text, 0.0), &style);
+        }
+    }
+
+    fn hair(&self) -> Stroke {
+        Stroke::new(palette::INK, (self.text / 14.0).max(1.0))
+    }
 }
 
 /// The ground of a picture: the colour of its upper left corner.

@@ -7,6 +7,7 @@ use selvedge_components::triangles::Triangles;
 use super::camera::Camera;
 use super::canvas::{Canvas, Ends, Stroke};
 use super::colour::{Colour, palette};
+use super::edges::{chain_up, edges};
 use super::error::DiagramError;
 use super::raster::DepthBuffer;
 
@@ -124,60 +125,8 @@ impl Overlay {
     }
 }
 
-/// An edge of a mesh.
-struct Edge {
-    /// Its vertices, ascending.
-    ends: [u32; 2],
-    /// How many triangles have it.
-    triangles: u32,
-}
-
-/// Every edge once, in ascending order.
-fn edges(mesh: &Triangles) -> Result<Vec<Edge>, DiagramError> {
-    let count = mesh.positions.len();
-    let mut all = Vec::with_capacity(3 * mesh.triangles.len());
-    for (triangle, corners) in mesh.triangles.iter().enumerate() {
-        if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= count) {
-            return Err(DiagramError::IndexOutOfRange { triangle, vertex, count });
-        }
-        let [a, b, c] = *corners;
-        all.extend([[a, b], [b, c], [c, a]].map(|[from, to]| [from.min(to), from.max(to)]));
-    }
-    all.sort_unstable();
-    Ok(all.chunk_by(|a, b| a == b).map(|same| Edge { ends: same[0], triangles: same.len() as u32 }).collect())
-}
-
 fn segments(mesh: &Triangles, edges: impl Iterator<Item = [u32; 2]>) -> Vec<Vec<DVec3>> {
     edges.map(|edge| edge.iter().map(|&vertex| mesh.positions[vertex as usize]).collect()).collect()
-}
-
-/// Joins edges end to end into chains as long as possible, in the order of the edges; a closed
-/// chain ends where it began.
-fn chain_up(edges: &[[u32; 2]]) -> Vec<Vec<u32>> {
-    let mut ways: Vec<(u32, usize)> = edges.iter().enumerate().flat_map(|(i, ends)| ends.map(|end| (end, i))).collect();
-    ways.sort_unstable();
-    let mut used = vec![false; edges.len()];
-    let mut chains = Vec::new();
-    // Ends of open chains first, so that none is begun in its middle.
-    let alone = ways.chunk_by(|a, b| a.0 == b.0).filter(|at| at.len() % 2 == 1).map(|at| at[0].0);
-    let starts: Vec<u32> = alone.chain(edges.iter().map(|ends| ends[0])).collect();
-    for start in starts {
-        let mut chain = vec![start];
-        let mut here = start;
-        loop {
-            let from = ways.partition_point(|way| way.0 < here);
-            let next = ways[from..].iter().take_while(|way| way.0 == here).find(|way| !used[way.1]);
-            let Some(&(_, edge)) = next else { break };
-            used[edge] = true;
-            let [a, b] = edges[edge];
-            here = if a == here { b } else { a };
-            chain.push(here);
-        }
-        if chain.len() > 1 {
-            chains.push(chain);
-        }
-    }
-    chains
 }
 
 /// Draws overlays onto the picture of what the buffer holds: first what is hidden of all of them,
@@ -371,10 +320,10 @@ fn join_short(stretches: Vec<Stretch>) -> Vec<Stretch> {
     let mut joined: Vec<Stretch> = Vec::with_capacity(stretches.len());
     for mut stretch in stretches {
         let short = stretch.length() < SHORT;
-        if let [before] = &mut joined[..] {
-            if before.length() < SHORT {
-                before.seen = stretch.seen;
-            }
+        if let [before] = &mut joined[..]
+            && before.length() < SHORT
+        {
+            before.seen = stretch.seen;
         }
         if let Some(before) = joined.last_mut() {
             if short {

@@ -3,8 +3,10 @@
 use glam::DVec2;
 
 use super::canvas::{Across, Canvas, Down, Ends, Stroke, TextStyle, text_width};
+use super::clip::{self, Area};
 use super::colour::{Colour, palette};
 use super::error::DiagramError;
+use super::labels::Labels;
 use super::units::{self, Quantity};
 
 /// A line of a ladder plot.
@@ -88,16 +90,70 @@ impl Ladder {
     /// [`DiagramError::Size`].
     pub fn draw(&self) -> Result<Canvas, DiagramError> {
         let mut canvas = Canvas::new(self.width, self.height, palette::PAPER)?;
-        let axes = Axes::new(self)?;
+        let (axes, legend) = self.make_room()?;
         self.draw_grid(&axes, &mut canvas);
-        let mut labels = Labels::default();
-        self.series.iter().for_each(|series| labels.keep_clear(&axes.place_all(&series.points)));
-        self.draw_legend(&axes, &mut labels, &mut canvas);
-        self.draw_guides(&axes, &mut labels, &mut canvas);
+        if let Some(corner) = legend {
+            self.draw_legend(corner, &axes, &mut canvas);
+        }
+        self.draw_guides(&axes, legend, &mut canvas);
         for (i, series) in self.series.iter().enumerate() {
             draw_series(series, Look::of(i), &axes, &mut canvas);
         }
         Ok(canvas)
+    }
+
+    /// Axes, and the corner where the legend covers nothing: decades are added above the highest
+    /// value until there is one. A ladder leaves it the upper right.
+    fn make_room(&self) -> Result<(Axes, Option<DVec2>), DiagramError> {
+        const MOST_ADDED: i32 = 6;
+        let mut first = None;
+        for added in 0..=MOST_ADDED {
+            let axes = Axes::new(self, added)?;
+            let (crowd, corner) = self.legend_corner(&axes);
+            if crowd == 0 {
+                return Ok((axes, corner));
+            }
+            first.get_or_insert((axes, corner));
+        }
+        first.ok_or(DiagramError::Nothing { what: "no room for axes" })
+    }
+
+    /// The corner with the fewest points, and how many these are; none without names.
+    fn legend_corner(&self, axes: &Axes) -> (usize, Option<DVec2>) {
+        if self.named().next().is_none() {
+            return (0, None);
+        }
+        let labels = self.lines(axes);
+        let size = self.legend_size(axes.text);
+        let inset = DVec2::splat(0.7 * axes.text);
+        let (left, top) = (axes.low + inset, axes.high - inset - size);
+        let corners = [DVec2::new(top.x, left.y), DVec2::new(left.x, top.y), left, top];
+        let around = DVec2::splat(0.5 * axes.text);
+        let area = |corner: DVec2| Area { low: corner - around, high: corner + size + around };
+        let crowd = |corner: DVec2| labels.crowd(&area(corner), None);
+        let best = corners.into_iter().map(|corner| (crowd(corner), corner)).min_by_key(|(crowd, _)| *crowd);
+        best.map_or((0, None), |(crowd, corner)| (crowd, Some(corner)))
+    }
+
+    /// All lines, guides first, that labels should not stand on.
+    fn lines(&self, axes: &Axes) -> Labels {
+        let mut labels = Labels::default();
+        for (i, guide) in self.guides.iter().enumerate() {
+            axes.guide(guide).into_iter().for_each(|(a, b)| labels.keep_clear(i, &[a, b]));
+        }
+        for (i, series) in self.series.iter().enumerate() {
+            labels.keep_clear(self.guides.len() + i, &axes.place_all(&series.points));
+        }
+        labels
+    }
+
+    fn named(&self) -> impl Iterator<Item = (usize, &Series)> {
+        self.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty())
+    }
+
+    fn legend_size(&self, text: f64) -> DVec2 {
+        let widest = self.named().map(|(_, series)| text_width(&series.name, text)).fold(0.0, f64::max);
+        DVec2::new(4.1 * text + widest, text * (1.55 * self.named().count() as f64 + 0.9))
     }
 
     fn draw_grid(&self, axes: &Axes, canvas: &mut Canvas) {
@@ -130,47 +186,33 @@ impl Ladder {
         canvas.text(&self.title, above, &TextStyle::new(1.12 * text, palette::INK));
     }
 
-    /// The legend stands in the corner that has the fewest points; a ladder leaves it the upper right.
-    fn draw_legend(&self, axes: &Axes, labels: &mut Labels, canvas: &mut Canvas) {
+    fn draw_legend(&self, corner: DVec2, axes: &Axes, canvas: &mut Canvas) {
         let text = axes.text;
-        let named: Vec<(usize, &Series)> = self.series.iter().enumerate().filter(|(_, s)| !s.name.is_empty()).collect();
-        if named.is_empty() {
-            return;
-        }
-        let (sample, line) = (2.2 * text, 1.55 * text);
-        let widest = named.iter().map(|(_, series)| text_width(&series.name, text)).fold(0.0, f64::max);
-        let size = DVec2::new(sample + 0.7 * text + widest + 1.2 * text, line * named.len() as f64 + 0.9 * text);
-        let inset = DVec2::splat(0.7 * text);
-        let (left, top) = (axes.low + inset, axes.high - inset - size);
-        let corners = [DVec2::new(top.x, left.y), DVec2::new(left.x, top.y), left, top];
-        let crowd = |corner: &DVec2| labels.crowd(*corner, *corner + size);
-        let Some(corner) = corners.into_iter().min_by_key(crowd) else { return };
-        canvas.round_rectangle(corner, corner + size, 0.3 * text, palette::PAPER);
-        labels.taken.push((corner, corner + size));
-        for (row, (i, series)) in named.into_iter().enumerate() {
-            let y = corner.y + 0.45 * text + line * (row as f64 + 0.5);
-            let (from, to) = (DVec2::new(corner.x + 0.6 * text, y), DVec2::new(corner.x + 0.6 * text + sample, y));
+        canvas.round_rectangle(corner, corner + self.legend_size(text), 0.3 * text, palette::PAPER);
+        for (row, (i, series)) in self.named().enumerate() {
+            let y = corner.y + text * (0.45 + 1.55 * (row as f64 + 0.5));
+            let [from, to, name] = [0.6, 2.8, 3.5].map(|across| DVec2::new(corner.x + across * text, y));
             let look = Look::of(i);
             canvas.line(from, to, &look.stroke(axes.pixel));
             look.mark(0.5 * (from + to), axes.pixel, canvas);
-            let at = DVec2::new(to.x + 0.7 * text, y);
             let style = TextStyle::new(text, palette::INK).anchored(Across::Left, Down::Middle);
-            canvas.text(&series.name, at, &style);
+            canvas.text(&series.name, name, &style);
         }
     }
 
-    fn draw_guides(&self, axes: &Axes, labels: &mut Labels, canvas: &mut Canvas) {
-        for guide in &self.guides {
-            let (from_level, value) = guide.from;
-            let end = value.log10() - (guide.to - from_level) * guide.ratio.log10();
-            let line = [(from_level, value.log10()), (guide.to, end)].map(|(x, y)| DVec2::new(axes.x(x), axes.y(y)));
-            let Some((a, b)) = axes.clip(line[0], line[1]) else { continue };
-            let (a, b) = if a.x <= b.x { (a, b) } else { (b, a) };
-            let dash = Stroke::new(palette::SLATE, 2.0 * axes.pixel).dashed(8.0 * axes.pixel, 6.0 * axes.pixel);
-            canvas.line(a, b, &dash);
+    fn draw_guides(&self, axes: &Axes, legend: Option<DVec2>, canvas: &mut Canvas) {
+        let mut labels = self.lines(axes);
+        if let Some(low) = legend {
+            labels.take(Area { low, high: low + self.legend_size(axes.text) });
+        }
+        let dash = Stroke::new(palette::SLATE, 2.0 * axes.pixel).dashed(8.0 * axes.pixel, 6.0 * axes.pixel);
+        let lines: Vec<_> = self.guides.iter().map(|guide| axes.guide(guide)).collect();
+        lines.iter().flatten().for_each(|&(a, b)| canvas.line(a, b, &dash));
+        for (i, (guide, line)) in self.guides.iter().zip(lines).enumerate() {
+            let Some((a, b)) = line else { continue };
             let ratio = || format!("ratio {}", units::brief(guide.ratio, 3));
             let label = if guide.label.is_empty() { ratio() } else { guide.label.clone() };
-            labels.beside(a, b, &label, axes, canvas);
+            labels.write_beside((i, a, b), &label, 0.92 * axes.text, &axes.area(), canvas);
         }
     }
 }
@@ -207,54 +249,44 @@ struct Axes {
 }
 
 impl Axes {
-    fn new(ladder: &Ladder) -> Result<Self, DiagramError> {
-        let shown = ladder
-            .series
-            .iter()
-            .flat_map(|series| &series.points)
-            .filter(|(level, value)| level.is_finite() && level.abs() < 1e9 && value.is_finite() && *value > 0.0);
-        let start = (f64::INFINITY, f64::NEG_INFINITY);
-        let ((left, right), (least, most)) = shown.fold((start, start), |(l, v), &(level, value)| {
-            ((l.0.min(level), l.1.max(level)), (v.0.min(value), v.1.max(value)))
-        });
-        if left > right {
-            return Err(DiagramError::Nothing { what: "no series has a positive value" });
-        }
+    /// Axes that hold everything shown, and so many decades more above it.
+    fn new(ladder: &Ladder, added: i32) -> Result<Self, DiagramError> {
+        let ((left, right), (least, most)) = shown(ladder)?;
         let (width, height) = (f64::from(ladder.width), f64::from(ladder.height));
         let text = (width.min(1.35 * height) / 46.0).max(1.0);
-        let (bottom, mut top) = (least.log10().floor() as i32, most.log10().ceil() as i32);
-        top = top.max(bottom + 1);
+        let bottom = least.log10().floor() as i32;
+        let top = (most.log10().ceil() as i32).max(bottom + 1) + added;
         let widest = (bottom..=top).map(|power| text_width(&ladder.quantity.decade(power), text)).fold(0.0, f64::max);
         let head = if ladder.title.is_empty() { 1.5 } else { 3.4 };
         let low = DVec2::new(widest + 3.4 * text, head * text);
         let high = DVec2::new(width - 1.6 * text, height - 4.0 * text).max(low + 1.0);
-        // Half a level of room on both sides; a single level lies in the middle.
-        let levels = if left < right {
-            let room = 0.035 * (right - left);
-            (left - room, right + room)
-        } else {
-            (left - 0.5, right + 0.5)
-        };
+        // Room on both sides; a single level lies in the middle.
+        let room = if left < right { 0.035 * (right - left) } else { 0.5 };
         let fit = ((high.y - low.y) / (1.5 * text)).max(1.0) as i32;
-        let stride = (top - bottom) / fit + 1;
-        let (ticks, places) = units::round_steps(left, right, 20);
-        let whole = left.fract() == 0.0 && right.fract() == 0.0 && right - left <= 20.0;
-        let (ticks, places) = match whole {
-            true => ((left as i64..=right as i64).map(|level| level as f64).collect(), 0),
-            false if ticks.is_empty() => (vec![left], 2),
-            false => (ticks, places),
-        };
+        let (ticks, places) = level_ticks(left, right);
         Ok(Self {
             low,
             high,
-            levels,
+            levels: (left - room, right + room),
             powers: (bottom, top),
-            stride,
+            stride: (top - bottom) / fit + 1,
             ticks,
             places,
             text,
             pixel: (text / 24.0).max(1.0),
         })
+    }
+
+    /// The part of a guide inside the plot, from left to right.
+    fn guide(&self, guide: &Guide) -> Option<(DVec2, DVec2)> {
+        let (level, value) = guide.from;
+        let end = value.log10() - (guide.to - level) * guide.ratio.log10();
+        let ends = [(level, value.log10()), (guide.to, end)].map(|(x, y)| DVec2::new(self.x(x), self.y(y)));
+        clip::segment(ends[0], ends[1], &self.area()).map(|(a, b)| if a.x <= b.x { (a, b) } else { (b, a) })
+    }
+
+    fn area(&self) -> Area {
+        Area { low: self.low, high: self.high }
     }
 
     fn x(&self, level: f64) -> f64 {
@@ -270,67 +302,33 @@ impl Axes {
         let places = points.iter().map(|&(level, value)| DVec2::new(self.x(level), self.y(value.log10())));
         places.filter(|place| place.is_finite()).collect()
     }
-
-    /// The part of a line inside the plot.
-    fn clip(&self, a: DVec2, b: DVec2) -> Option<(DVec2, DVec2)> {
-        super::clip::segment(a, b, &super::clip::Area { low: self.low, high: self.high })
-    }
 }
 
-/// Where labels could not stand: on points, and on other labels.
-#[derive(Default)]
-struct Labels {
-    /// Places along the lines of all series, a few pixels apart.
-    points: Vec<DVec2>,
-    /// Boxes of labels: upper left and lower right corners.
-    taken: Vec<(DVec2, DVec2)>,
+/// The least and the greatest level, and value, of what can be shown.
+type Extent = ((f64, f64), (f64, f64));
+
+fn shown(ladder: &Ladder) -> Result<Extent, DiagramError> {
+    // Beyond a thousand million, levels could not be told apart.
+    let can_be = |&&(level, value): &&(f64, f64)| level.abs() < 1e9 && value.is_finite() && value > 0.0;
+    let start = (f64::INFINITY, f64::NEG_INFINITY);
+    let wider = |(low, high): (f64, f64), x: f64| (low.min(x), high.max(x));
+    let points = ladder.series.iter().flat_map(|series| &series.points).filter(can_be);
+    let extent = points.fold((start, start), |(l, v), &(level, value)| (wider(l, level), wider(v, value)));
+    if extent.0.0 > extent.0.1 {
+        return Err(DiagramError::Nothing { what: "no series has a positive value" });
+    }
+    Ok(extent)
 }
 
-impl Labels {
-    fn keep_clear(&mut self, line: &[DVec2]) {
-        const STEPS: u32 = 48;
-        for pair in line.windows(2) {
-            self.points.extend((0..STEPS).map(|i| pair[0].lerp(pair[1], f64::from(i) / f64::from(STEPS))));
-        }
-        self.points.extend(line.last());
+/// Levels with a label, and places after their points: each whole level, where there are few.
+fn level_ticks(left: f64, right: f64) -> (Vec<f64>, usize) {
+    const MOST: f64 = 20.0;
+    if left.fract() == 0.0 && right.fract() == 0.0 && right - left <= MOST {
+        return ((left as i64..=right as i64).map(|level| level as f64).collect(), 0);
     }
-
-    /// How many places and labels lie in a box.
-    fn crowd(&self, low: DVec2, high: DVec2) -> usize {
-        let inside = |point: &&DVec2| point.cmpge(low).all() && point.cmple(high).all();
-        let overlapping = |taken: &&(DVec2, DVec2)| taken.0.cmple(high).all() && taken.1.cmpge(low).all();
-        self.points.iter().filter(inside).count() + 1000 * self.taken.iter().filter(overlapping).count()
-    }
-
-    /// Writes along a line, on the side and at the place where there is most room.
-    fn beside(&mut self, a: DVec2, b: DVec2, label: &str, axes: &Axes, canvas: &mut Canvas) {
-        let along = (b - a).normalize_or(DVec2::X);
-        // Up on the page.
-        let aside = DVec2::new(along.y, -along.x);
-        let half = DVec2::new(0.5 * text_width(label, axes.text), 0.5 * axes.text);
-        let reach = DVec2::new(
-            half.x * along.x.abs() + half.y * along.y.abs(),
-            half.x * along.y.abs() + half.y * along.x.abs(),
-        );
-        let mut best = None;
-        for part in [0.5, 0.35, 0.65, 0.2, 0.8] {
-            for side in [1.0, -1.0] {
-                let at = a.lerp(b, part) + 0.85 * axes.text * side * aside;
-                let (low, high) = (at - reach, at + reach);
-                let off_plot = !(low.cmpge(axes.low).all() && high.cmple(axes.high).all());
-                let crowd = self.crowd(low, high) + 5000 * usize::from(off_plot);
-                if best.is_none_or(|(least, _)| crowd < least) {
-                    best = Some((crowd, at));
-                }
-            }
-        }
-        let Some((_, at)) = best else { return };
-        self.taken.push((at - reach, at + reach));
-        let style = TextStyle::new(0.92 * axes.text, palette::SLATE)
-            .anchored(Across::Middle, Down::Middle)
-            .rotated(-along.y.atan2(along.x).to_degrees())
-            .with_halo(palette::PAPER, 0.15 * axes.text);
-        canvas.text(label, at, &style);
+    match units::round_steps(left, right, MOST as usize) {
+        (ticks, _) if ticks.is_empty() => (vec![left], 2),
+        ticks => ticks,
     }
 }
 

@@ -15,6 +15,9 @@ use super::error::DiagramError;
 /// No triangle is seen there.
 pub(super) const NOTHING: u32 = u32::MAX;
 
+/// The most samples along a side of a pixel.
+const MOST_PER_SIDE: usize = 4;
+
 /// The most samples of a picture: with eight bytes each, 2 GiB.
 const MOST_SAMPLES: u64 = 1 << 28;
 
@@ -75,7 +78,7 @@ pub(super) struct DepthBuffer {
 impl DepthBuffer {
     /// A buffer in which nothing is seen.
     pub fn new(frame: Frame) -> Result<Self, DiagramError> {
-        let per_side = frame.samples.clamp(1, 4);
+        let per_side = frame.samples.clamp(1, MOST_PER_SIDE as u32);
         let (width, height) = (frame.width, frame.height);
         let count = u64::from(width) * u64::from(height) * u64::from(per_side * per_side);
         let most_pixels = MOST_PIXELS.min(MOST_SAMPLES / u64::from(per_side * per_side));
@@ -97,16 +100,23 @@ impl DepthBuffer {
         self.per_side
     }
 
-    /// Where sample (column, row) lies, in pixels.
-    pub fn place(&self, column: usize, row: usize) -> DVec2 {
-        let n = self.per_side;
-        let shift = |other: usize| ((other % n) as f64 + 0.5) / n as f64;
-        DVec2::new(column as f64 + shift(row), row as f64 + shift(column)) / n as f64
+    /// Where sample (i, j) of a pixel lies, seen from its upper left corner, in pixels.
+    pub fn offset(&self, i: usize, j: usize) -> DVec2 {
+        let n = self.per_side as f64;
+        let shifted = |along: usize, across: usize| (along as f64 + (across as f64 + 0.5) / n) / n;
+        DVec2::new(shifted(i, j), shifted(j, i))
     }
 
     /// The triangle seen at sample (column, row), or [`NOTHING`].
-    pub fn owner(&self, column: usize, row: usize) -> u32 {
+    #[cfg(test)]
+    fn owner(&self, column: usize, row: usize) -> u32 {
         self.owner[row * self.columns + column]
+    }
+
+    /// The triangles seen at the samples of row `j` of a pixel, or [`NOTHING`].
+    pub fn owners(&self, x: usize, y: usize, j: usize) -> &[u32] {
+        let n = self.per_side;
+        &self.owner[(y * n + j) * self.columns + x * n..][..n]
     }
 
     /// The nearness at the sample closest to a pixel's coordinates; `None` off the picture.
@@ -142,14 +152,19 @@ impl DepthBuffer {
         let on_page = corners.map(|corner| corner.truncate() / corner.z * n);
         let low = on_page[0].min(on_page[1]).min(on_page[2]);
         let high = on_page[0].max(on_page[1]).max(on_page[2]);
-        // Sample (column, row) lies between (column, row) and (column + 1, row + 1).
-        let (low, high) = ((low - 1.0).floor().max(DVec2::ZERO), high.ceil());
+        // Sample c lies between c + 1/(2n) and c + 1 - 1/(2n); a thousandth is far above rounding.
+        let edge = 0.5 / n - 1e-3;
+        let (low, high) = (low + edge, high - edge);
         let most = DVec2::new(all.right as f64, all.bottom as f64);
-        if !(low.cmple(most).all() && high.cmpge(DVec2::ZERO).all()) {
+        if !(low.cmple(most + 1.0).all() && high.cmpge(DVec2::ZERO).all()) {
             return None;
         }
-        let high = high.min(most);
-        Some(Samples { left: low.x as usize, right: high.x as usize, top: low.y as usize, bottom: high.y as usize })
+        // Casts cut off what follows the point, which for what is not negative is `floor`.
+        let (low, high) = (low.max(DVec2::ZERO), high.min(most));
+        let area =
+            Samples { left: low.x as usize, right: high.x as usize, top: low.y as usize, bottom: high.y as usize };
+        // A triangle may slip between samples.
+        (area.left <= area.right && area.top <= area.bottom).then_some(area)
     }
 
     /// The samples of a row between which the triangle lies, never too few.
@@ -177,18 +192,21 @@ impl DepthBuffer {
         let part = 1.0 / n as f64;
         let shift = ((row % n) as f64 + 0.5) * part;
         let [e0, e1, e2] = triangle.edges;
-        let near = triangle.nearness;
+        // What does not change along the row, for each of the heights that samples in it take in turn.
+        let fixed: [[f64; 4]; MOST_PER_SIDE] = core::array::from_fn(|phase| {
+            let y = (row as f64 + (phase as f64 + 0.5) * part) * part;
+            [e0, e1, e2, triangle.nearness].map(|edge| edge.y * y + edge.z)
+        });
         let start = row * self.columns;
         let seen = self.nearness[start + left..=start + right].iter_mut();
         let owners = self.owner[start + left..=start + right].iter_mut();
         let mut phase = left % n;
         for (column, (seen, owner)) in (left..).zip(seen.zip(owners)) {
             let x = (column as f64 + shift) * part;
-            let y = (row as f64 + (phase as f64 + 0.5) * part) * part;
+            let [f0, f1, f2, near] = fixed[phase];
             phase = if phase + 1 == n { 0 } else { phase + 1 };
-            let at = |edge: DVec3| edge.x * x + (edge.y * y + edge.z);
-            if at(e0) >= 0.0 && at(e1) >= 0.0 && at(e2) >= 0.0 {
-                let nearness = at(near) as f32;
+            if e0.x * x + f0 >= 0.0 && e1.x * x + f1 >= 0.0 && e2.x * x + f2 >= 0.0 {
+                let nearness = (triangle.nearness.x * x + near) as f32;
                 if nearness > *seen {
                     (*seen, *owner) = (nearness, id);
                 }
@@ -212,6 +230,12 @@ mod tests {
     use super::*;
 
     const FRAME: Frame = Frame { width: 64, height: 48, samples: 3 };
+
+    /// Where sample (column, row) lies, in pixels.
+    fn place(buffer: &DepthBuffer, column: usize, row: usize) -> DVec2 {
+        let n = buffer.per_side;
+        DVec2::new((column / n) as f64, (row / n) as f64) + buffer.offset(column % n, row % n)
+    }
 
     fn camera(points: &[DVec3], perspective: bool) -> Camera {
         let view = View::from_angles(-70.0, 35.0).with_margin(0.0);
@@ -241,7 +265,7 @@ mod tests {
             // The outline is convex: a sample is inside if it lies on the same side of all of it.
             let on_picture: Vec<DVec3> = ring.iter().map(|&p| camera.homogeneous(p)).collect();
             for (row, column) in (0..buffer.rows).flat_map(|row| (0..buffer.columns).map(move |column| (row, column))) {
-                let at = buffer.place(column, row).extend(1.0);
+                let at = place(&buffer, column, row).extend(1.0);
                 let left_of = |i: usize| on_picture[i].cross(on_picture[(i + 1) % 97]).dot(at) > 0.0;
                 let inside = (1..97).all(|i| left_of(i) == left_of(0));
                 assert_eq!(buffer.owner(column, row) != NOTHING, inside, "column {column}, row {row}");
@@ -262,7 +286,7 @@ mod tests {
             let mut covered = 0;
             for row in 0..buffer.rows {
                 for column in 0..buffer.columns {
-                    let inside = triangle.edges.iter().all(|e| e.dot(buffer.place(column, row).extend(1.0)) >= 0.0);
+                    let inside = triangle.edges.iter().all(|e| e.dot(place(&buffer, column, row).extend(1.0)) >= 0.0);
                     assert_eq!(buffer.owner(column, row) == 7, inside, "{column} {row}");
                     covered += usize::from(inside);
                 }

@@ -225,8 +225,8 @@ const RIM: Lamp = Lamp {
     light: [0.20, 0.20, 0.22],
 };
 /// From all sides: above, and below.
-const SKY: [f32; 3] = [0.19, 0.205, 0.23];
-const GROUND: [f32; 3] = [0.105, 0.10, 0.095];
+const SKY: [f32; 3] = [0.18, 0.195, 0.22];
+const GROUND: [f32; 3] = [0.145, 0.135, 0.125];
 
 impl Lamp {
     fn falls_on(&self, normal: DVec3) -> f32 {
@@ -268,23 +268,25 @@ fn dimly_lit(colour: [f32; 3], normal: DVec3) -> [f32; 3] {
 /// A triangle is shaded once a pixel, at the mean of the samples that see it.
 pub(super) fn develop(buffer: &DepthBuffer, layers: &[Layer<'_>], camera: &Camera, canvas: &mut Canvas) {
     let n = buffer.per_side();
+    let offsets: Vec<DVec2> = (0..n * n).map(|k| buffer.offset(k % n, k / n)).collect();
     let mut groups: Vec<Group> = Vec::with_capacity(n * n);
     for y in 0..canvas.height() {
         for (x, pixel) in canvas.row_mut(y).iter_mut().enumerate() {
-            gather(buffer, x * n, y as usize * n, &mut groups);
-            if groups.iter().all(|group| group.owner == NOTHING) {
+            gather(buffer, x, y as usize, &offsets, &mut groups);
+            if matches!(groups[..], [Group { owner: NOTHING, .. }]) {
                 continue;
             }
+            let corner = DVec2::new(x as f64, f64::from(y));
             let ground = Colour { rgb: [pixel[0], pixel[1], pixel[2]], alpha: 255 }.to_linear();
             let mut sum = [0.0_f32; 3];
             for group in &groups {
-                let count = group.count as f32;
+                let at = corner + group.sum / f64::from(group.count);
                 let light = match layers.iter().find(|layer| group.owner < layer.end()) {
-                    // What is brighter than the page is cut off sample by sample, so that edges stay smooth.
-                    Some(layer) => layer.light(group.owner, group.sum / f64::from(count), camera).map(|c| c.min(1.0)),
+                    // What is brighter than the page is cut off triangle by triangle, so that edges stay smooth.
+                    Some(layer) => layer.light(group.owner, at, camera).map(|c| c.min(1.0)),
                     None => ground,
                 };
-                sum = [0, 1, 2].map(|i| sum[i] + count * light[i]);
+                sum = [0, 1, 2].map(|i| sum[i] + group.count as f32 * light[i]);
             }
             let level = threshold(x as u32, y);
             let [red, green, blue] = sum.map(|light| encode_above(light / (n * n) as f32, level));
@@ -293,28 +295,19 @@ pub(super) fn develop(buffer: &DepthBuffer, layers: &[Layer<'_>], camera: &Camer
     }
 }
 
-/// The part of a step of code above which a pixel takes the next one: it differs from pixel to
-/// pixel, so that smooth shades have no bands [Jimenez 2014, interleaved gradient noise].
-fn threshold(x: u32, y: u32) -> f32 {
-    let along = (0.067_110_56 * f64::from(x) + 0.005_837_15 * f64::from(y)).fract();
-    (52.982_918_9 * along).fract() as f32
-}
-
 /// Samples of one pixel that see the same triangle.
 struct Group {
     owner: u32,
     count: u32,
-    /// The sum of their places.
+    /// The sum of their places, seen from the corner of the pixel.
     sum: DVec2,
 }
 
-/// Sorts the samples of the pixel that begins at (column, row) by what they see.
-fn gather(buffer: &DepthBuffer, column: usize, row: usize, groups: &mut Vec<Group>) {
+/// Sorts the samples of a pixel by what they see.
+fn gather(buffer: &DepthBuffer, x: usize, y: usize, offsets: &[DVec2], groups: &mut Vec<Group>) {
     groups.clear();
-    let n = buffer.per_side();
-    for j in row..row + n {
-        for i in column..column + n {
-            let (owner, at) = (buffer.owner(i, j), buffer.place(i, j));
+    for (j, offsets) in offsets.chunks(buffer.per_side()).enumerate() {
+        for (&owner, &at) in buffer.owners(x, y, j).iter().zip(offsets) {
             match groups.iter_mut().find(|group| group.owner == owner) {
                 Some(group) => {
                     group.count += 1;
@@ -324,6 +317,13 @@ fn gather(buffer: &DepthBuffer, column: usize, row: usize, groups: &mut Vec<Grou
             }
         }
     }
+}
+
+/// The part of a step of code above which a pixel takes the next one: it differs from pixel to
+/// pixel, so that smooth shades have no bands [Jimenez 2014, interleaved gradient noise].
+fn threshold(x: u32, y: u32) -> f32 {
+    let along = (0.067_110_56 * f64::from(x) + 0.005_837_15 * f64::from(y)).fract();
+    (52.982_918_9 * along).fract() as f32
 }
 
 #[cfg(test)]

@@ -40,7 +40,7 @@ impl Stencil {
         let count = ring.len();
         let angle = |i: usize| FRAC_PI_2 + TAU * i as f64 / count as f64;
         let mut stencil = Self::fan(centre.into(), ring, angle, caption.into());
-        stencil.triangles.extend((count > 2).then(|| [0, count as u32, 1]));
+        stencil.triangles.extend((count > 2).then_some([0, count as u32, 1]));
         stencil
     }
 
@@ -58,7 +58,7 @@ impl Stencil {
         let start = FRAC_PI_2 - 0.5 * angle.to_radians();
         let place = |i: usize| start + angle.to_radians() * i as f64 / last;
         let mut stencil = Self::fan(centre.into(), neighbours, place, caption.into());
-        if let Some(count @ 1..) = u32::try_from(neighbours.len()).ok() {
+        if let Ok(count @ 1..) = u32::try_from(neighbours.len()) {
             stencil.border = vec![[0, 1], [0, count]];
         }
         stencil

@@ -116,11 +116,12 @@ fn signed(value: f64, plain: String) -> String {
 /// A fraction of small whole numbers, such as `3/8`, where `value` is one to the last digits of an
 /// `f64`; otherwise four places.
 pub fn fraction(value: f64) -> String {
-    // Masks of the regular lattice have denominators 2 to 32 and their halves, and 6 and 12 times
-    // such; sums of them stay within a few units in the last place of 1.
+    // Masks have denominators up to 32, and 6 and 12 times such, and powers of two where a cosine
+    // is rational; sums of them stay within a few units in the last place of 1.
     const MOST: u32 = 96;
+    const POWERS: [u32; 4] = [128, 256, 512, 1024];
     const ROUNDING: f64 = 8.0 * f64::EPSILON;
-    for below in 1..=MOST {
+    for below in (1..=MOST).chain(POWERS) {
         let above = value * f64::from(below);
         if (above - above.round()).abs() <= ROUNDING * f64::from(below) {
             let whole = fixed(above, 0);
@@ -198,6 +199,7 @@ mod tests {
             (0.125, "1/8"),
             (0.625, "5/8"),
             (1.0 / 16.0, "1/16"),
+            (31.0 / 256.0, "31/256"),
             (-1.0 / 12.0, "−1/12"),
             (1.5, "3/2"),
             (1.0, "1"),
