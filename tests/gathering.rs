@@ -179,14 +179,14 @@ fn a_control_point_that_is_gone_is_a_fault_until_it_is_back() {
     let ways: [Leave; 5] = [
         |world, point, _| assert!(world.despawn(point)),
         |world, point, _| {
-world.entity_mut(point).remove::<Position>();
-},
+            world.entity_mut(point).remove::<Position>();
+        },
         |world, point, _| {
-world.entity_mut(point).remove::<ControlPointIndex>();
-},
+            world.entity_mut(point).remove::<ControlPointIndex>();
+        },
         |world, point, other| {
-world.entity_mut(point).insert(ControlPointOf(other));
-},
+            world.entity_mut(point).insert(ControlPointOf(other));
+        },
         |world, point, other| {
             // One goes, one comes: as many as before.
             world.despawn(point);
@@ -232,8 +232,8 @@ fn details_that_come_go_and_move_are_noticed() {
     let mut changes: Vec<Box<dyn FnMut(&mut World)>> = vec![
         Box::new(|world| assert!(world.despawn(details[0]))),
         Box::new(|world| {
-world.entity_mut(details[1]).remove::<DetailOf>());
-},
+            world.entity_mut(details[1]).remove::<DetailOf>();
+        }),
         Box::new(|world| world.get_mut::<DetailLevel>(details[2]).unwrap().0 = 1),
         Box::new(|world| *world.get_mut::<Address>(details[3]).unwrap() = Address::Corner(VertexId(19))),
         Box::new(|world| {
@@ -389,11 +389,11 @@ fn edit_once(world: &mut World, surface: Entity, kind: u8, which: usize, value: 
         (0, _) => world.get_mut::<Position>(point).unwrap().0.x = value,
         (1, _) => world.get_mut::<Position>(point).unwrap().set_changed(),
         (2, _) => {
-world.entity_mut(point).insert(Tag::<0>);
-},
+            world.entity_mut(point).insert(Tag::<0>);
+        }
         (3, _) => {
-world.entity_mut(point).remove::<Tag<0>>();
-},
+            world.entity_mut(point).remove::<Tag<0>>();
+        }
         (4, _) => {
             // The same point as another entity.
             let row =
@@ -405,8 +405,8 @@ world.entity_mut(point).remove::<Tag<0>>();
         (5, Some(detail)) => world.get_mut::<Detail>(detail).unwrap().0.y = value,
         (6, Some(detail)) => assert!(world.despawn(detail)),
         (7, Some(detail)) => {
-world.entity_mut(detail).insert(Tag::<1>);
-},
+            world.entity_mut(detail).insert(Tag::<1>);
+        }
         _ => {
             let place = (DetailLevel(which as u32 % 4), Address::Corner(VertexId(index as u32)));
             let mut query = world.query::<(&DetailLevel, &Address, &DetailOf)>();
