@@ -103,9 +103,9 @@ impl Engine {
         &mut self.world
     }
 
-    /// The schedule: to add systems, or to replace a stage.
-    pub fn schedule_mut(&mut self) -> &mut Schedule {
-        &mut self.schedule
+    /// World and schedule together: to add systems, or to replace a stage.
+    pub fn with_schedule<R>(&mut self, change: impl FnOnce(&mut World, &mut Schedule) -> R) -> R {
+        change(&mut self.world, &mut self.schedule)
     }
 
     /// See [`spawn_surface`].

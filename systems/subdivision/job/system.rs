@@ -100,6 +100,7 @@ pub fn admit_fits(
 struct Candidate {
     entity: Entity,
     state: Option<JobState>,
+    has_work: bool,
     now: FitInputs,
     verdict: Verdict,
 }
@@ -132,12 +133,13 @@ impl Candidate {
         let wish = if cancelled { Wish::Cancel } else { Wish::Run };
         // A job that has lost its work, which is derived, begins again.
         let whole = job.filter(|job| has_work || !job.is_running());
-        let mut verdict = verdict(wish, whole, &now, surface);
-        if verdict == Verdict::Wait && job.is_none() {
-            // One that waits and was never begun has nothing to clear.
-            verdict = Verdict::Keep;
-        }
-        Self { entity, state: job.map(|job| job.state), now, verdict }
+        let verdict = match verdict(wish, whole, &now, surface) {
+            // One that was never begun has nothing to clear; one that a host has stripped of its state has.
+            Verdict::Wait if job.is_none() && !has_work => Verdict::Keep,
+            Verdict::Keep if job.is_none() && has_work => Verdict::TakeBack,
+            verdict => verdict,
+        };
+        Self { entity, state: job.map(|job| job.state), has_work, now, verdict }
     }
 
     fn goes_on(&self) -> bool {
@@ -156,7 +158,8 @@ fn wait_for_turns(candidates: &mut [Candidate]) {
     let busy = candidates.iter().filter(|c| c.goes_on()).map(|c| c.now.surface);
     let first = first_on_each_surface(&starting.collect::<Vec<_>>(), busy.collect());
     for candidate in candidates.iter_mut().filter(|c| c.verdict == Verdict::Start && !first.contains(&c.entity)) {
-        candidate.verdict = if candidate.state.is_some() { Verdict::Wait } else { Verdict::Keep };
+        let traced = candidate.state.is_some() || candidate.has_work;
+        candidate.verdict = if traced { Verdict::Wait } else { Verdict::Keep };
     }
 }
 
