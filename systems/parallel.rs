@@ -17,3 +17,15 @@ pub fn map_in_order<R: Send>(count: usize, f: impl Fn(usize) -> R + Sync + Send)
     let _ = ALONE;
     (0..count).map(f).collect()
 }
+
+/// Runs `work` on every item, on all cores where the feature `parallel` is on. The items share
+/// nothing, so the order leaves no trace.
+pub fn for_each<T: Send>(items: Vec<T>, work: impl Fn(T) + Sync + Send) {
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::prelude::*;
+        items.into_par_iter().for_each(work);
+    }
+    #[cfg(not(feature = "parallel"))]
+    items.into_iter().for_each(work);
+}

@@ -3,6 +3,7 @@
 mod address;
 pub mod boxspline;
 mod corner;
+mod lattice;
 mod level;
 pub mod masks;
 pub mod plain;
@@ -11,6 +12,7 @@ mod surface;
 
 pub use address::{Address, FINEST_LEVEL, FaceCode};
 pub use corner::{CornerTable, Pull, SpecialCorner, interior_angle};
+pub use lattice::{Lattice, TooFine};
 pub use level::{GivenVertex, Kind, LevelMesh, LevelVertex, NONE, Origin, RingState, SideEnd};
 pub use plain::{PlainError, PlainLoop, PlainTopology, VertexRule};
 pub use stencil::{LevelState, LimitRows, Rows, Step};

@@ -3,7 +3,9 @@
 pub mod chain;
 pub mod correspond;
 pub mod fit;
+mod lanes;
 pub mod modify;
 pub mod quasi;
 pub mod refine;
 pub mod region;
+pub mod tessellate;
