@@ -30,3 +30,11 @@ pub fn for_each<T: Send>(items: Vec<T>, work: impl Fn(T) + Sync + Send) {
     #[cfg(not(feature = "parallel"))]
     items.into_iter().for_each(work);
 }
+
+/// How many threads [`for_each`] may use.
+pub fn threads() -> usize {
+    #[cfg(feature = "parallel")]
+    return rayon::current_num_threads();
+    #[cfg(not(feature = "parallel"))]
+    1
+}

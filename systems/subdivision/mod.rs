@@ -2,6 +2,7 @@
 
 pub mod chain;
 pub mod correspond;
+pub mod evaluate;
 pub mod fit;
 pub mod job;
 mod lanes;
