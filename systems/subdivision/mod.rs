@@ -5,6 +5,7 @@ pub mod correspond;
 pub mod fit;
 pub mod job;
 mod lanes;
+pub mod limit;
 pub mod modify;
 pub mod quasi;
 pub mod refine;
