@@ -11,12 +11,14 @@ use selvedge_components::evaluate::{Evaluate, Jet, SurfacePoint};
 use selvedge_components::mesh::{Connectivity, VertexId};
 use selvedge_components::subdivision::boxspline::Quartic;
 use selvedge_components::subdivision::{
-    Address, CornerTable, Descent, FaceCode, Kind, LevelMesh, LoopSurface, NONE, Patch, RingState, Scheme, previous,
+    Address, CornerTable, Descent, FaceCode, Kind, LevelMesh, LimitFrame, LoopSurface, NONE, Patch, RingState, Scheme,
+    limit_frame, previous,
 };
 use thiserror::Error;
 
 use super::chain::{self, Level};
 use super::region;
+use crate::parallel::map_in_order;
 
 /// Why a surface cannot be evaluated.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -48,6 +50,19 @@ pub enum LimitError {
         /// The finest possible.
         finest: u32,
     },
+}
+
+/// The limit position and tangents at every vertex of a level mesh that `wanted` selects, `None` at
+/// the others and where a ring is cut. See [`limit_frame`].
+pub fn limit_frames(
+    scheme: Scheme<'_>,
+    level: &Level,
+    wanted: impl Fn(u32) -> bool + Sync + Send,
+) -> Vec<Option<LimitFrame>> {
+    map_in_order(level.mesh.vertices.len(), |v| {
+        let v = v as u32;
+        wanted(v).then(|| limit_frame(scheme, &level.mesh, &level.state, v)).flatten()
+    })
 }
 
 /// The limit surface of a [`LoopSurface`], details, given borders and all.

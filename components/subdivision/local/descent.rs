@@ -51,7 +51,13 @@ impl Descent {
         }
         let doubled = |[s, t]: [f64; 2]| [2.0 * s, 2.0 * t];
         (self.by_s, self.by_t) = (doubled(self.by_s), doubled(self.by_t));
-        if a >= 0.5 { 0 } else if b >= 0.5 { 1 } else { 2 }
+        if a >= 0.5 {
+            0
+        } else if b >= 0.5 {
+            1
+        } else {
+            2
+        }
     }
 
     /// Derivatives by the face's coordinates from those by the quarter's.

@@ -134,9 +134,12 @@ impl<'a> Patch<'a> {
             _ => {
                 spokes.push(a.spoke_point(self.scheme, a.turn(i, a.valence() - 1)));
                 spokes.push(b.spoke_point(self.scheme, b.turn(j, 1)));
-                beside.extend([(b, 0, j), (a, 3, i)].iter().filter(|(ring, ..)| ring.corner != NONE).map(
-                    |&(ring, spoke, back)| super::ring::Beside { spoke, corner: ring.corner, back },
-                ));
+                beside.extend(
+                    [(b, 0, j), (a, 3, i)]
+                        .iter()
+                        .filter(|(ring, ..)| ring.corner != NONE)
+                        .map(|&(ring, spoke, back)| super::ring::Beside { spoke, corner: ring.corner, back }),
+                );
                 Place::Inside
             }
         };
@@ -212,7 +215,9 @@ impl<'a> Patch<'a> {
 
     /// Between the jets at the corners of a small patch: `sum w_i (P_i + J_i (x - x_i) / 2)`, exact for
     /// quadratics. Corners where the surface is not smooth give no tangents.
-    fn blend(&self, weights: [f64; 3]) -> Jet {
+    fn blend(&self, [_, s, t]: [f64; 3]) -> Jet {
+        // Quartering has doubled what rounding the weights kept from summing to 1.
+        let weights = [1.0 - s - t, s, t];
         let jets = [0, 1, 2].map(|c| self.corner_jet(c));
         let smooth = [0, 1, 2].map(|c| self.rings[c].is_smooth());
         let mut all = Jet::default();
@@ -223,7 +228,7 @@ impl<'a> Patch<'a> {
             if smooth[c] {
                 let corner = [f64::from(u8::from(c == 1)), f64::from(u8::from(c == 2))];
                 if smooth == [true; 3] {
-                    let (x, y) = (weights[1] - corner[0], weights[2] - corner[1]);
+                    let (x, y) = (s - corner[0], t - corner[1]);
                     all.position += (jet.ds * x + jet.dt * y) * (0.5 * w);
                 }
                 // A corner on which all the weight lies still shares its tangents with the others.
@@ -268,9 +273,7 @@ impl Ring {
             Place::Inside => self.valence() == 6,
             Place::Border(border) => match border.rule {
                 BorderRule::Plain | BorderRule::Given => self.valence() == 4,
-                BorderRule::PlainCorner | BorderRule::GivenCorner => {
-                    self.valence() < 4 && self.corner == NONE
-                }
+                BorderRule::PlainCorner | BorderRule::GivenCorner => self.valence() < 4 && self.corner == NONE,
             },
         }
     }

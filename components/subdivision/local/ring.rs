@@ -202,8 +202,7 @@ impl Ring {
                 Pull::Flat { .. } => point = flatten(point, corner_sample(scheme, corner), corner.pull),
                 Pull::Quadratic { s } => {
                     let edge = SectorEdge::new(scheme.surface.mesh.valence(corner.vertex), spoke);
-                    let given =
-                        edge.constant(scheme.surface, self.level + 1, corner, corner_sample(scheme, corner));
+                    let given = edge.constant(scheme.surface, self.level + 1, corner, corner_sample(scheme, corner));
                     return point * (1.0 - s) + (effective * edge.corner_weight() + given) * s;
                 }
             }
@@ -278,11 +277,7 @@ impl BorderPlace {
         let plain = matches!(scheme.surface.sides[side as usize].border, Border::Plain);
         let details = match plain {
             true => [DVec3::ZERO; 3],
-            false => [
-                (self.details[0] + next.details[0]) * 0.125,
-                next.details[0] * 0.25,
-                self.details[0] * 0.25,
-            ],
+            false => [(self.details[0] + next.details[0]) * 0.125, next.details[0] * 0.25, self.details[0] * 0.25],
         };
         Self {
             rule: if plain { BorderRule::Plain } else { BorderRule::Given },

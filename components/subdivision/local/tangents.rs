@@ -4,8 +4,9 @@ use core::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::ring::{BorderPlace, BorderRule, Place, Ring};
 use super::Scheme;
+use super::ring::{BorderPlace, BorderRule, Place, Ring};
+use crate::subdivision::corner::PARALLEL;
 use crate::subdivision::level::sample;
 
 /// The tangent plane at a vertex: the derivative along neighbour `i` is
@@ -49,10 +50,6 @@ impl Tangents {
         Self { along: self.along * by, across: self.across * by, ends, ..self }
     }
 }
-
-/// Below this sine of the angle between the two borders at a corner they span no plane that can be
-/// told from the rounding of the angle, which is known to about 1e-7.
-const FLAT: f64 = 1e-4;
 
 impl Ring {
     /// The tangents of the limit surface at the vertex.
@@ -205,7 +202,7 @@ impl Ring {
         if special.is_none() && k > 3 {
             return self.spread_tangents(ends);
         }
-        if sin.abs() < FLAT {
+        if sin.abs() < PARALLEL {
             let across = self.transverse(scheme, border);
             return Tangents { along: (first - last) * 0.5, across, angle: PI / (k - 1) as f64, ends: Some(ends) };
         }
