@@ -1,12 +1,14 @@
 //! Combined Loop subdivision: masks, borders, details, evaluation.
 
 mod address;
+mod border;
 pub mod boxspline;
 mod corner;
 mod entities;
 pub mod fit;
 mod lattice;
 mod level;
+mod local;
 pub mod masks;
 pub mod plain;
 mod stencil;
@@ -18,7 +20,8 @@ pub use entities::{
     Cage, ControlPointIndex, ControlPointOf, ControlPoints, Detail, DetailLevel, DetailOf, Position, Sides, Snapshot,
 };
 pub use lattice::{Lattice, TooFine};
-pub use level::{GivenVertex, Kind, LevelMesh, LevelVertex, NONE, Origin, RingState, SideEnd};
+pub use level::{GivenVertex, Kind, LevelMesh, LevelVertex, NONE, Origin, RingState, SideEnd, previous};
+pub use local::{Descent, LimitFrame, Patch, Ring, Scheme, Tangents, limit_frame};
 pub use plain::{PlainError, PlainLoop, PlainTopology, VertexRule};
 pub use stencil::{LevelState, LimitRows, Rows, Step};
 pub use surface::{Border, CornerRule, Details, Ends, Heading, LoopSurface, Side, plain_sides};

@@ -6,6 +6,7 @@ pub mod evaluate;
 pub mod fit;
 pub mod job;
 mod lanes;
+pub mod limit;
 pub mod modify;
 pub mod quasi;
 pub mod refine;
