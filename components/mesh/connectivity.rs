@@ -134,7 +134,7 @@ impl Connectivity {
     /// The half-edges that leave `v`, counter-clockwise, from [`Self::outgoing`].
     ///
     /// The ring of a border vertex of valence `k` has `k - 1` half-edges that leave; its last
-    /// neighbour is reached by [`Ring::last_border_neighbour`].
+    /// neighbour is reached by [`Self::last_border_neighbour`].
     #[inline]
     pub fn ring(&self, v: VertexId) -> Ring<'_> {
         Ring { mesh: self, start: self.outgoing(v), next: Some(self.outgoing(v)) }

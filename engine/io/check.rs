@@ -46,6 +46,9 @@ pub enum WriteError {
         /// Its position.
         at: DVec3,
     },
+    /// The format has no way to say that there is nothing.
+    #[error("there are no objects to write")]
+    NoObjects,
     /// The format has no way to say that there are no triangles.
     #[error("object {object:?} has no triangles")]
     Empty {

@@ -55,6 +55,9 @@ pub struct ObjectReport {
 /// [`WriteError`] when an object is not what [`Triangles`] promises, has no triangles, or cannot be
 /// expressed in the format.
 pub fn write(objects: &[Object<'_>]) -> Result<Glb, WriteError> {
+    if objects.is_empty() {
+        return Err(WriteError::NoObjects);
+    }
     let mut writer = Writer::default();
     let mut reports = Vec::with_capacity(objects.len());
     for object in objects {
@@ -177,18 +180,19 @@ impl Writer {
     fn finish(mut self) -> Result<Vec<u8>, WriteError> {
         self.root.asset.generator = Some(concat!("selvedge ", env!("CARGO_PKG_VERSION")).to_owned());
         self.root.materials.push(plain_material());
-        if !self.buffer.is_empty() {
-            self.root.buffers.push(buffer::Buffer {
-                byte_length: USize64::from(self.buffer.len()),
-                name: None,
-                uri: None,
-                extensions: None,
-                extras: None,
-            });
-        }
+        self.root.buffers.push(buffer::Buffer {
+            byte_length: USize64::from(self.buffer.len()),
+            name: None,
+            uri: None,
+            extensions: None,
+            extras: None,
+        });
         let scene = Scene { nodes: self.nodes, name: None, extensions: None, extras: None };
         self.root.scene = Some(self.root.push(scene));
-        let json = self.root.to_vec().map_err(std::io::Error::from)?;
+        // By way of a value, numbers are written with the decimals of a double. Those mean the same to
+        // readers in single and in double precision; the shorter ones that would do for the former
+        // would put an object far from the origin elsewhere for the latter.
+        let json = self.root.to_value().map_err(std::io::Error::from)?.to_string().into_bytes();
         // Header, two chunk headers and the padding of either chunk.
         const FRAME: u64 = 12 + 2 * 8 + 2 * 3;
         let (bytes, limit) = (json.len() as u64 + self.buffer.len() as u64 + FRAME, u64::from(u32::MAX));
@@ -196,8 +200,7 @@ impl Writer {
             return Err(WriteError::TooLong { bytes, limit });
         }
         let header = gltf::binary::Header { magic: *b"glTF", version: 2, length: 0 };
-        let bin = (!self.buffer.is_empty()).then_some(self.buffer.into());
-        let glb = gltf::binary::Glb { header, json: json.into(), bin };
+        let glb = gltf::binary::Glb { header, json: json.into(), bin: Some(self.buffer.into()) };
         glb.to_vec().map_err(|why| WriteError::Io(std::io::Error::other(why)))
     }
 }
@@ -216,30 +219,11 @@ fn plain_material() -> Material {
     }
 }
 
-/// The middle of the bounding box, rounded so that every reader gets the same numbers.
-///
-/// The file has a translation as decimals, and the shortest decimals of a single-precision number
-/// are that number only to readers in single precision. So the middle is rounded to a multiple of a
-/// power of two whose decimals end: first of an eighth of half the size, which costs the positions no
-/// precision, then of coarser ones up to eight times that half, which costs them three bits. Further
-/// out than that allows, single precision is rougher than the object, and it is rounded as it comes.
+/// The middle of the bounding box.
 fn centre_of(positions: &[DVec3]) -> Vec3 {
     let bounds = positions.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), &p| (l.min(p), h.max(p)));
     // Halved first: the sum of two doubles may overflow.
-    let (middle, half) = (0.5 * bounds.0 + 0.5 * bounds.1, (0.5 * bounds.1 - 0.5 * bounds.0).max_element());
-    let octave = half.log2().floor();
-    Vec3::from_array(middle.to_array().map(|x| {
-        let rounded = (-3..=3).map(|i| {
-            let grid = (octave + f64::from(i)).exp2();
-            ((x / grid).round() * grid) as f32
-        });
-        rounded.into_iter().find(|&c| reads_alike(c)).unwrap_or(x as f32)
-    }))
-}
-
-/// Do the shortest decimals of `x` mean the same number in single and in double precision?
-fn reads_alike(x: f32) -> bool {
-    x.is_finite() && format!("{x:?}").parse() == Ok(f64::from(x))
+    (0.5 * bounds.0 + 0.5 * bounds.1).as_vec3()
 }
 
 /// Positions about a centre in single precision, and the largest distance that rounding has moved

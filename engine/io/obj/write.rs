@@ -23,7 +23,7 @@ pub fn write(out: &mut impl Write, surface: &Triangles) -> Result<(), WriteError
 /// Writes a cage, with its corners as tags.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write`](fn@write).
 pub fn write_cage(out: &mut impl Write, cage: &Cage) -> Result<(), WriteError> {
     write(out, &cage.to_triangles())?;
     write_corners(out, &cage.corners)?;

@@ -2,7 +2,8 @@
 //!
 //! A Loop surface is smoothest, and details converge fastest, where a vertex has six edges, or four
 //! on a border; the vertex of the highest valence sets the pace for all. So what is kept small is the
-//! sum over all vertices of `(valence - target)^4`, target being 6 inside and 4 on a border. (The
+//! sum over all vertices of `(valence - target)^4`, target being 6 inside and 4 on a border. A border
+//! vertex of one face is a corner of the outline, where 2 and 3 are as good as each other. (The
 //! square in place of the fourth power would accept one vertex of valence 8 to spare four of 7.)
 //!
 //! 1. [`ears`]: in the order of the faces, each is cut ear by ear; of the ears of what is left of the
@@ -76,6 +77,8 @@ struct Valences<'a> {
     positions: &'a [DVec3],
     /// Valence less target.
     excess: Vec<i32>,
+    /// A lower excess counts as this one: -1 at a corner, where that is valence 3.
+    least: Vec<i32>,
     /// How many faces, or diagonals, there are along each edge. Only looked up, never walked.
     edges: HashMap<[u32; 2], u32>,
 }
@@ -83,9 +86,12 @@ struct Valences<'a> {
 impl<'a> Valences<'a> {
     fn new(polygons: &'a Polygons) -> Self {
         let excess = vec![-6; polygons.positions.len()];
-        let mut mesh = Self { positions: &polygons.positions, excess, edges: HashMap::new() };
+        let least = vec![i32::MIN; polygons.positions.len()];
+        let mut mesh = Self { positions: &polygons.positions, excess, least, edges: HashMap::new() };
+        let mut faces = vec![0_u32; polygons.positions.len()];
         for (a, b) in polygons.faces().flat_map(sides) {
             mesh.add(a, b);
+            faces[a as usize] += 1;
         }
         for (a, b) in polygons.faces().flat_map(sides) {
             // The target of a border vertex is less by two, and it has two border edges.
@@ -93,6 +99,9 @@ impl<'a> Valences<'a> {
                 mesh.excess[a as usize] += 1;
                 mesh.excess[b as usize] += 1;
             }
+        }
+        for (v, _) in faces.iter().enumerate().filter(|&(_, &faces)| faces == 1) {
+            mesh.least[v] = -1;
         }
         mesh
     }
@@ -122,8 +131,8 @@ impl<'a> Valences<'a> {
 
     /// By how much the sum grows when a vertex gains (`1`) or loses (`-1`) an edge.
     fn rise(&self, v: u32, by: i32) -> i128 {
-        let fourth = |excess: i32| i128::from(excess).pow(4);
-        let excess = self.excess[v as usize];
+        let (excess, least) = (self.excess[v as usize], self.least[v as usize]);
+        let fourth = |excess: i32| i128::from(excess.max(least)).pow(4);
         fourth(excess + by) - fourth(excess)
     }
 
