@@ -19,5 +19,6 @@ pub mod gather;
 pub mod parallel;
 pub mod schedule;
 pub mod subdivision;
+pub mod triangulate;
 
 pub use selvedge_components::target;
