@@ -12,6 +12,7 @@
 //! A stage is a folder (or a file): its kernels, pure functions over slices, and in a file named
 //! `system.rs` the system that runs them. Only files of that name know the world.
 
+pub mod audit;
 pub mod check;
 pub mod diagnostics;
 pub mod enroll;

@@ -8,11 +8,9 @@ use selvedge_components::triangles::Triangles;
 
 use super::closure;
 use super::forest::Forest;
-use super::measure::shape;
+use super::measure::{Over, shape, squared_to_triangle};
 use super::pyramid::{Floor, Pyramid, locate};
-use super::sample::Cover;
-use super::{Normals, Subject, Triangulation, TriangulateError, TriangulationReport};
-use crate::subdivision::region;
+use super::{Normals, Subject, TriangulateError, Triangulation, TriangulationReport};
 
 /// The triangles of a forest, and how they came about.
 #[derive(Debug)]
@@ -56,11 +54,27 @@ impl Assembly {
         self.triangles.triangles.len()
     }
 
-    /// The triangles of the leaf at `place` of a level.
-    pub fn cover(&self, level: usize, place: usize) -> Cover {
+    /// The squared distance of a point of the limit surface over the leaf at `place` of a level to the
+    /// triangles. Near an irregular vertex the surface slides: the foot of a point may lie beyond the
+    /// leaf's own triangles, on those around.
+    pub fn near<'a>(&'a self, around: &'a Around, level: usize, place: usize) -> impl Fn(DVec3) -> f64 + 'a {
         let [begin, end] = self.spans[level][place].map(|t| t as usize);
-        let corners = |t: &[u32; 3]| t.map(|v| self.triangles.positions[v as usize]);
-        self.triangles.triangles[begin..end].iter().map(corners).fold(Cover::new(), Cover::with)
+        let own = &self.triangles.triangles[begin..end];
+        let corners = |t: [u32; 3]| t.map(|v| self.triangles.positions[v as usize]);
+        move |x| {
+            let inside = |t: &[u32; 3]| Over::new(x, corners(*t)).filter(Over::inside);
+            if let Some(over) = own.iter().find_map(inside) {
+                return over.squared;
+            }
+            let neighbours = own.iter().flatten().flat_map(|&v| around.of(v));
+            let distances = neighbours.map(|&t| squared_to_triangle(x, corners(self.triangles.triangles[t as usize])));
+            distances.fold(f64::INFINITY, f64::min)
+        }
+    }
+
+    /// The triangles around every vertex.
+    pub fn around(&self) -> Around {
+        Around::new(self.triangles.positions.len(), &self.triangles.triangles)
     }
 
     /// Hands the triangles out.
@@ -78,7 +92,8 @@ impl Assembly {
     /// Cuts every leaf into its triangles, in the order of root faces and paths.
     fn cut_leaves(&mut self, forest: &Forest, names: &[Vec<u32>]) {
         let finest = self.pyramid.floors.len() as u32;
-        let neighbours: Vec<Finer> = self.pyramid.floors.windows(2).enumerate().map(|(l, f)| Finer::new(l, f, forest)).collect();
+        let neighbours: Vec<Finer> =
+            self.pyramid.floors.windows(2).enumerate().map(|(l, f)| Finer::new(l, f, forest)).collect();
         let mut leaves: Vec<(FaceCode, u32, u32)> = Vec::with_capacity(forest.leaf_count());
         for (l, floor) in self.pyramid.floors.iter().enumerate() {
             let down = 2 * (finest - 1 - l as u32);
@@ -94,7 +109,9 @@ impl Assembly {
             let face = floor.faces[place];
             let corners = floor.level.mesh.corners[face as usize].map(|v| names[l][v as usize]);
             let halves = match neighbours.get(l) {
-                Some(finer) => [0, 1, 2].map(|e| Some(names[l + 1][finer.half(&self.pyramid.floors, l, 3 * face + e)? as usize])),
+                Some(finer) => {
+                    [0, 1, 2].map(|e| Some(names[l + 1][finer.half(&self.pyramid.floors, l, 3 * face + e)? as usize]))
+                }
                 None => [None; 3],
             };
             let begin = triangles.len() as u32;
@@ -102,6 +119,37 @@ impl Assembly {
             self.spans[l][place] = [begin, triangles.len() as u32];
             self.faces.resize(triangles.len(), code.root_face(finest - 1));
         }
+    }
+}
+
+/// The triangles around every vertex.
+#[derive(Debug)]
+pub struct Around {
+    starts: Vec<u32>,
+    triangles: Vec<u32>,
+}
+
+impl Around {
+    fn new(vertices: usize, triangles: &[[u32; 3]]) -> Self {
+        let mut starts = vec![0; vertices + 1];
+        for &v in triangles.iter().flatten() {
+            starts[v as usize + 1] += 1;
+        }
+        for v in 0..vertices {
+            starts[v + 1] += starts[v];
+        }
+        let (mut next, mut around) = (starts.clone(), vec![0; 3 * triangles.len()]);
+        for (t, corners) in triangles.iter().enumerate() {
+            for &v in corners {
+                around[next[v as usize] as usize] = t as u32;
+                next[v as usize] += 1;
+            }
+        }
+        Self { starts, triangles: around }
+    }
+
+    fn of(&self, v: u32) -> &[u32] {
+        &self.triangles[self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize]
     }
 }
 
@@ -180,7 +228,7 @@ fn origin(mesh: &Connectivity, address: Address) -> SurfacePoint {
         SurfacePoint { face: h.face(), st: DVec2::new(weights[1], weights[2]) }
     };
     match address {
-        Address::Corner(v) => on_edge(mesh.outgoing(v), 0.0),
+        Address::Corner(v) => on_edge(mesh.ring(v).min().unwrap_or(mesh.outgoing(v)), 0.0),
         Address::Edge(e, steps) => {
             let h = mesh.halfedge(e);
             on_edge(h, if mesh.from(h) < mesh.to(h) { part(steps) } else { 1.0 - part(steps) })

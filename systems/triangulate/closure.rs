@@ -27,7 +27,9 @@ pub fn close(
     let [a, b, c] = corners;
     match halves {
         [None, None, None] => put(corners),
-        [Some(ab), Some(bc), Some(ca)] => [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]].into_iter().for_each(put),
+        [Some(ab), Some(bc), Some(ca)] => {
+            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]].into_iter().for_each(put)
+        }
         [Some(m), None, None] => halve([a, b, c], m, put),
         [None, Some(m), None] => halve([b, c, a], m, put),
         [None, None, Some(m)] => halve([c, a, b], m, put),
@@ -46,13 +48,7 @@ fn halve([a, b, c]: [u32; 3], m: u32, mut put: impl FnMut([u32; 3])) {
 /// `m` is inside the edge from the first corner to the second, `n` inside the next: cuts the second
 /// corner off, and the rest along its shorter diagonal; along the one from the first corner where
 /// both are the same.
-fn cut_corner(
-    [a, b, c]: [u32; 3],
-    m: u32,
-    n: u32,
-    position: &impl Fn(u32) -> DVec3,
-    mut put: impl FnMut([u32; 3]),
-) {
+fn cut_corner([a, b, c]: [u32; 3], m: u32, n: u32, position: &impl Fn(u32) -> DVec3, mut put: impl FnMut([u32; 3])) {
     put([m, b, n]);
     if position(a).distance_squared(position(n)) <= position(m).distance_squared(position(c)) {
         put([a, m, n]);

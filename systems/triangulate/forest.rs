@@ -121,9 +121,10 @@ mod tests {
     /// No face is quartered beside a leaf of a coarser level.
     fn balanced(mesh: &Connectivity, forest: &Forest) -> bool {
         forest.split.iter().enumerate().skip(1).all(|(level, split)| {
-            split.iter().flat_map(|f| (0..3).filter_map(move |c| f.across(mesh, level as u32, c))).all(|(n, _)| {
-                forest.is_split(level as u32 - 1, n.parent())
-            })
+            split
+                .iter()
+                .flat_map(|f| (0..3).filter_map(move |c| f.across(mesh, level as u32, c)))
+                .all(|(n, _)| forest.is_split(level as u32 - 1, n.parent()))
         })
     }
 

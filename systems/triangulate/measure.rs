@@ -11,16 +11,40 @@ pub fn squared_to_segment(x: DVec3, a: DVec3, b: DVec3) -> f64 {
     to.distance_squared(along * t)
 }
 
+/// A point over the plane of a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Over {
+    /// The square of its height.
+    pub squared: f64,
+    /// The weights of the triangle's corners at its foot; one is negative where the foot is outside.
+    pub weights: [f64; 3],
+}
+
+impl Over {
+    /// The point `x` over a triangle; `None` if the triangle has no area.
+    pub fn new(x: DVec3, [a, b, c]: [DVec3; 3]) -> Option<Self> {
+        let normal = (b - a).cross(c - a);
+        let area = normal.length_squared();
+        if area <= 0.0 {
+            return None;
+        }
+        let left_of = |p: DVec3, q: DVec3| (q - p).cross(x - p).dot(normal) / area;
+        let height = (x - a).dot(normal);
+        Some(Self { squared: height * height / area, weights: [left_of(b, c), left_of(c, a), left_of(a, b)] })
+    }
+
+    /// Is the foot in the triangle?
+    pub fn inside(&self) -> bool {
+        self.weights.iter().all(|&w| w >= 0.0)
+    }
+}
+
 /// The squared distance from `x` to a triangle, degenerate or not.
 pub fn squared_to_triangle(x: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
-    let normal = (b - a).cross(c - a);
-    let left_of = |p: DVec3, q: DVec3| (q - p).cross(x - p).dot(normal) >= 0.0;
-    let area = normal.length_squared();
-    if area > 0.0 && left_of(a, b) && left_of(b, c) && left_of(c, a) {
-        let height = (x - a).dot(normal);
-        return height * height / area;
+    match Over::new(x, [a, b, c]).filter(Over::inside) {
+        Some(over) => over.squared,
+        None => squared_to_segment(x, a, b).min(squared_to_segment(x, b, c)).min(squared_to_segment(x, c, a)),
     }
-    squared_to_segment(x, a, b).min(squared_to_segment(x, b, c)).min(squared_to_segment(x, c, a))
 }
 
 /// `2 area / longest^2`: 0.866 for an equilateral triangle, 0 for a degenerate one.
@@ -33,8 +57,7 @@ pub fn shape([a, b, c]: [DVec3; 3]) -> f64 {
 mod tests {
     use super::*;
 
-    const TRIANGLE: [DVec3; 3] =
-        [DVec3::new(0.0, 0.0, 0.0), DVec3::new(4.0, 0.0, 0.0), DVec3::new(0.0, 3.0, 0.0)];
+    const TRIANGLE: [DVec3; 3] = [DVec3::new(0.0, 0.0, 0.0), DVec3::new(4.0, 0.0, 0.0), DVec3::new(0.0, 3.0, 0.0)];
 
     /// Over the inside, the edges and the corners, where the answer is plain to see.
     #[test]

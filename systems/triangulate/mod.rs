@@ -34,6 +34,7 @@ use selvedge_components::triangles::Triangles;
 use thiserror::Error;
 
 use forest::Forest;
+pub(crate) use measure::{shape, squared_to_segment, squared_to_triangle};
 use reach::Reach;
 
 /// How a surface is triangulated.

@@ -3,9 +3,10 @@
 use core::f64::consts::PI;
 
 use glam::DVec3;
+use selvedge_components::curve::{Branch, tangent};
 use selvedge_components::subdivision::plain::vertex_normal;
 use selvedge_components::subdivision::{
-    Kind, LevelMesh, LoopSurface, NONE, Origin, SideEnd, VertexRule, border_sample,
+    Border, Heading, Kind, LevelMesh, LoopSurface, NONE, Origin, SideEnd, VertexRule, border_sample,
 };
 
 use super::Subject;
@@ -75,15 +76,16 @@ fn standing_for(finer: &LevelMesh, coarse: usize) -> Vec<u32> {
 fn given_normal(surface: &LoopSurface, level: &Level, v: u32) -> DVec3 {
     let mesh = &level.mesh;
     let Kind::Given(g) = mesh.vertices[v as usize].kind else { return DVec3::ZERO };
-    let border = Border::new(surface, level, v);
-    let [ahead, behind] = border.tangents();
+    let rim = Rim::new(surface, level, v);
+    let [ahead, behind] = rim.tangents();
     let faces = fan_area(level, v);
     match mesh.given[g as usize].end {
-        SideEnd::Smooth => (ahead - behind).cross(border.transverse()).normalize_or_zero(),
+        SideEnd::Smooth => (ahead - behind).cross(rim.transverse()).normalize_or_zero(),
         SideEnd::Corner | SideEnd::Mixed => {
             let across = ahead.cross(behind);
-            // Squared sine of the angle between the sides: tangents are differences right to 1e-7.
-            if across.length_squared() <= 1e-13 * ahead.length_squared() * behind.length_squared() {
+            // Squared sine of the angle between the sides, unit tangents right to rounding: below it
+            // rounding alone decides.
+            if across.length_squared() <= f64::EPSILON {
                 return faces.normalize_or_zero();
             }
             // At a reflex corner the product points inward; the faces' own areas tell.
@@ -96,13 +98,14 @@ fn given_normal(surface: &LoopSurface, level: &Level, v: u32) -> DVec3 {
 fn fan_area(level: &Level, v: u32) -> DVec3 {
     let points = &level.state.effective;
     let at = |v: u32| points[v as usize];
-    level.mesh.ring(v).fold(DVec3::ZERO, |sum, h| {
-        sum + (at(level.mesh.to(h)) - at(v)).cross(at(level.mesh.opposite(h)) - at(v))
-    })
+    level
+        .mesh
+        .ring(v)
+        .fold(DVec3::ZERO, |sum, h| sum + (at(level.mesh.to(h)) - at(v)).cross(at(level.mesh.opposite(h)) - at(v)))
 }
 
 /// The border through one vertex.
-struct Border<'a> {
+struct Rim<'a> {
     surface: &'a LoopSurface,
     level: &'a Level,
     vertex: u32,
@@ -113,7 +116,7 @@ struct Border<'a> {
     previous: u32,
 }
 
-impl<'a> Border<'a> {
+impl<'a> Rim<'a> {
     fn new(surface: &'a LoopSurface, level: &'a Level, vertex: u32) -> Self {
         let mesh = &level.mesh;
         let leaving = mesh.vertices[vertex as usize].start;
@@ -139,19 +142,27 @@ impl<'a> Border<'a> {
         border_sample(&self.surface.sides[side as usize], level, step)
     }
 
-    /// The one-sided tangents, in model units per edge, away from the vertex: ahead and behind. On a
-    /// plain side, the control mesh's edge.
-    ///
-    /// Differences of second order over steps of 2^-12 edges: right to about 1e-7 of the curvature.
+    /// The unit one-sided tangents away from the vertex: ahead and behind. On a plain side, along the
+    /// control mesh's edge, where a cubic B-spline without bending at its end leaves.
     fn tangents(&self) -> [DVec3; 2] {
-        const FINE: u32 = 12;
-        let here = self.level.mesh.sample(self.vertex);
-        [(0, self.next), (1, self.previous)].map(|(edge, neighbour)| {
-            match (self.sample(edge, FINE, 1), self.sample(edge, FINE, 2)) {
-                (Some(b), Some(c)) => (4.0 * (b - here) - (c - here)) * f64::from(1_u32 << (FINE - 1)),
-                _ => self.level.state.effective[neighbour as usize] - here,
-            }
-        })
+        let points = &self.level.state.effective;
+        let along_mesh = |v: u32| (points[v as usize] - points[self.vertex as usize]).normalize_or_zero();
+        [(0, self.next), (1, self.previous)].map(|(edge, v)| self.tangent(edge).unwrap_or_else(|| along_mesh(v)))
+    }
+
+    /// The curve's tangent; `None` on a plain side, or where the curve stands still.
+    fn tangent(&self, edge: usize) -> Option<DVec3> {
+        let (side, step) = self.level.mesh.border(self.edges[edge])?;
+        let side = &self.surface.sides[side as usize];
+        let index = side.curve_index(self.level.mesh.level, step + edge as u64)?;
+        let Border::Given { curve, heading, .. } = &side.border else { return None };
+        let u = curve.parameter(self.level.mesh.level, index);
+        let rising = (*heading == Heading::Along) == (edge == 0);
+        if rising {
+            tangent(&**curve.curve(), u, Branch::After)
+        } else {
+            tangent(&**curve.curve(), u, Branch::Before).map(|t| -t)
+        }
     }
 
     /// The transverse tangent, inward.
@@ -202,9 +213,9 @@ struct Band {
 }
 
 impl Band {
-    fn at(border: &Border) -> Self {
-        let (mesh, state) = (&border.level.mesh, &border.level.state);
-        let around = [border.previous, border.vertex, border.next];
+    fn at(rim: &Rim) -> Self {
+        let (mesh, state) = (&rim.level.mesh, &rim.level.state);
+        let around = [rim.previous, rim.vertex, rim.next];
         let details = around.map(|v| state.detail(mesh, v));
         // Where the neighbour is not on the curve it has no detail: its effective point is all.
         Self { samples: core::array::from_fn(|i| state.effective[around[i] as usize] + details[i]), details }
@@ -221,9 +232,9 @@ impl Band {
     }
 
     /// The same, `deeper` levels below.
-    fn step(&self, border: &Border, deeper: u32) -> Option<Self> {
+    fn step(&self, rim: &Rim, deeper: u32) -> Option<Self> {
         let [p, c, n] = self.details;
-        let samples = [border.sample(1, deeper, 1)?, self.samples[1], border.sample(0, deeper, 1)?];
+        let samples = [rim.sample(1, deeper, 1)?, self.samples[1], rim.sample(0, deeper, 1)?];
         Some(Self { samples, details: [(p + c) * 0.125, c * 0.25, (c + n) * 0.125] })
     }
 }

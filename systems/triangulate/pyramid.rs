@@ -5,7 +5,7 @@
 //! proportion to the faces asked for, wherever they are.
 
 use glam::DVec3;
-use selvedge_components::subdivision::{FaceCode, Kind, LimitRows, NONE, Origin};
+use selvedge_components::subdivision::{FaceCode, LimitRows, NONE, Origin};
 
 use super::reach::union;
 use super::{Subject, TriangulateError, normals};
@@ -229,23 +229,9 @@ impl Floor {
         }
     }
 
-    /// By face of the mesh: its place in [`Floor::faces`]; [`NONE`] for faces not asked for.
-    pub fn places(&self) -> Vec<u32> {
-        let mut places = vec![NONE; self.level.mesh.corners.len()];
-        for (place, &f) in self.faces.iter().enumerate() {
-            places[f as usize] = place as u32;
-        }
-        places
-    }
-
-    /// Is this half-edge on a border?
-    pub fn on_border(&self, halfedge: u32) -> bool {
-        self.level.mesh.border(halfedge).is_some()
-    }
-
-    /// Is `v` inside the surface?
-    pub fn inside(&self, v: u32) -> bool {
-        self.level.mesh.vertices[v as usize].kind == Kind::Interior
+    /// Which edges of a face of the mesh lie on a border.
+    pub fn borders(&self, face: u32) -> [bool; 3] {
+        [0, 1, 2].map(|edge| self.level.mesh.border(3 * face + edge).is_some())
     }
 }
 
@@ -276,8 +262,7 @@ fn raise(subject: &Subject, wanted: &[Vec<FaceCode>]) -> Vec<Floor> {
     for (l, split) in below.iter().enumerate() {
         let coarse = &floors[l].level;
         let faces = with_neighbours(coarse, &locate(&coarse.mesh.codes, split));
-        let (finer, _) =
-            chain::refine(subject.surface, &subject.corners, &subject.surface.details, coarse, &faces);
+        let (finer, _) = chain::refine(subject.surface, &subject.corners, &subject.surface.details, coarse, &faces);
         floors.push(Floor::new(finer, asked(l + 1)));
     }
     floors

@@ -7,7 +7,7 @@ use glam::DVec3;
 use selvedge_components::subdivision::boxspline::Quartic;
 use selvedge_components::subdivision::{FaceCode, Kind, LevelMesh, NONE};
 
-use super::measure::{squared_to_segment, squared_to_triangle};
+use super::measure::squared_to_segment;
 use super::pyramid::Pyramid;
 use super::reach::union;
 use super::{Subject, TriangulateError};
@@ -41,32 +41,6 @@ impl Lattice {
     }
 }
 
-/// The triangles that stand for a leaf.
-#[derive(Clone, Debug, Default)]
-pub struct Cover {
-    triangles: [[DVec3; 3]; 4],
-    count: usize,
-}
-
-impl Cover {
-    /// No triangles yet.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// One more; a leaf has four at most.
-    pub fn with(mut self, triangle: [DVec3; 3]) -> Self {
-        self.triangles[self.count] = triangle;
-        self.count += 1;
-        self
-    }
-
-    fn squared_distance(&self, x: DVec3) -> f64 {
-        let distances = self.triangles[..self.count].iter().map(|&t| squared_to_triangle(x, t));
-        distances.fold(f64::INFINITY, f64::min)
-    }
-}
-
 /// The point found farthest off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Farthest {
@@ -94,16 +68,17 @@ impl Farthest {
     }
 }
 
-/// For the faces asked of `pyramid`, by level and in their order: the farthest sample off `cover`,
-/// which is asked for a level and a place in [`Floor::faces`](super::pyramid::Floor::faces).
+/// For the faces asked of `pyramid`, by level and in their order: the farthest sample. `near` is asked
+/// for a level and a place in [`Floor::faces`](super::pyramid::Floor::faces), and answers with the
+/// squared distance of a point to the triangles that stand for that face.
 ///
 /// # Errors
 /// [`TriangulateError::LimitNotFinite`].
-pub fn farthest(
+pub fn farthest<D: Fn(DVec3) -> f64>(
     subject: &Subject,
     pyramid: &Pyramid,
     lattice: Lattice,
-    cover: impl Fn(usize, usize) -> Cover + Sync,
+    near: impl Fn(usize, usize) -> D + Sync,
 ) -> Result<Vec<Vec<Farthest>>, TriangulateError> {
     let places = places(lattice.steps());
     let mut found: Vec<Vec<Option<Farthest>>> = Vec::new();
@@ -112,17 +87,17 @@ pub fn farthest(
             let mesh = &floor.level.mesh;
             let net = net(subject, mesh, floor.faces[place])?;
             let quartic = Quartic::new(&net.map(|v| floor.level.state.effective[v as usize]));
-            let cover = cover(l, place);
+            let squared = near(l, place);
             let mut farthest = Farthest::default();
             for &(s, t) in &places {
                 let x = quartic.position(s, t);
-                farthest.see(x, cover.squared_distance(x));
+                farthest.see(x, squared(x));
             }
             Some(farthest)
         }));
     }
     let rest = Rest::new(subject, pyramid, lattice, &found)?;
-    let measured = rest.measure(subject, pyramid, &cover);
+    let measured = rest.measure(pyramid, &near);
     for ((l, place), farthest) in rest.leaves.into_iter().zip(measured) {
         found[l][place] = Some(farthest);
     }
@@ -200,18 +175,17 @@ impl Rest {
         Ok(Self { leaves, deeper: Pyramid::new(subject, &wanted)? })
     }
 
-    fn measure(
+    fn measure<D: Fn(DVec3) -> f64>(
         &self,
-        _subject: &Subject,
         pyramid: &Pyramid,
-        cover: &(impl Fn(usize, usize) -> Cover + Sync),
+        near: &(impl Fn(usize, usize) -> D + Sync),
     ) -> Vec<Farthest> {
         map_in_order(self.leaves.len(), |i| {
             let (l, place) = self.leaves[i];
-            let (cover, floor) = (cover(l, place), &pyramid.floors[l]);
+            let (squared, floor) = (near(l, place), &pyramid.floors[l]);
             let face = floor.faces[place];
             let code = floor.level.mesh.codes[face as usize];
-            let border = [0, 1, 2].map(|e| floor.on_border(3 * face + e));
+            let border = floor.borders(face);
             let corners = pyramid.corners(l, face);
             let mut farthest = Farthest::default();
             for (m, deep) in self.deeper.floors.iter().enumerate().skip(l + 1) {
@@ -225,7 +199,7 @@ impl Rest {
                     let lattice = inner.corners(down);
                     for (x, (i, j)) in self.deeper.corners(m, f).into_iter().zip(lattice) {
                         let weights = [(1 << down) - i - j, i, j];
-                        farthest.see(x, distance_of(x, weights, border, corners, &cover));
+                        farthest.see(x, on_border(x, weights, border, corners).unwrap_or_else(|| squared(x)));
                     }
                 }
             }
@@ -234,14 +208,10 @@ impl Rest {
     }
 }
 
-/// The squared distance of a limit point to the triangles of its leaf. A point of the border is
-/// measured to the edge that stands for it: where the border is concave the triangle reaches beyond
-/// the surface, and the inside of the triangle is no match for it.
-fn distance_of(x: DVec3, weights: [u32; 3], border: [bool; 3], corners: [DVec3; 3], cover: &Cover) -> f64 {
-    for edge in 0..3 {
-        if border[edge] && weights[(edge + 2) % 3] == 0 {
-            return squared_to_segment(x, corners[edge], corners[(edge + 1) % 3]);
-        }
-    }
-    cover.squared_distance(x)
+/// The squared distance of a point of the border to the edge that stands for it; `None` off the
+/// border. Where the border is concave the triangle reaches beyond the surface, and the inside of the
+/// triangle is no match for it.
+fn on_border(x: DVec3, weights: [u32; 3], border: [bool; 3], corners: [DVec3; 3]) -> Option<f64> {
+    let edge = (0..3).find(|&edge| border[edge] && weights[(edge + 2) % 3] == 0)?;
+    Some(squared_to_segment(x, corners[edge], corners[(edge + 1) % 3]))
 }
