@@ -12,6 +12,7 @@
 //! A stage is a folder (or a file): its kernels, pure functions over slices, and in a file named
 //! `system.rs` the system that runs them. Only files of that name know the world.
 
+pub mod audit;
 pub mod check;
 pub mod diagnostics;
 pub mod enroll;
@@ -19,5 +20,6 @@ pub mod gather;
 pub mod parallel;
 pub mod schedule;
 pub mod subdivision;
+pub mod triangulate;
 
 pub use selvedge_components::target;
