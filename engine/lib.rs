@@ -25,6 +25,7 @@
 //! assert!(report.ladder[2].max < 2e-3 && report.ladder[2].max < report.ladder[0].max);
 //! ```
 
+pub mod cli;
 #[cfg(feature = "diagram")]
 pub mod diagram;
 mod engine;

@@ -1,4 +1,4 @@
-//! The command line: `selvedge demo`, `selvedge limit cage.obj`, `selvedge stages`.
+//! The command line: `selvedge demo`, `selvedge limit cage.obj`.
 
 use std::process::ExitCode;
 

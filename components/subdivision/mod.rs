@@ -20,7 +20,9 @@ pub use entities::{
     Cage, ControlPointIndex, ControlPointOf, ControlPoints, Detail, DetailLevel, DetailOf, Position, Sides, Snapshot,
 };
 pub use lattice::{Lattice, TooFine};
-pub use level::{GivenVertex, Kind, LevelMesh, LevelVertex, NONE, Origin, RingState, SideEnd, previous, sample as border_sample};
+pub use level::{
+    GivenVertex, Kind, LevelMesh, LevelVertex, NONE, Origin, RingState, SideEnd, previous, sample as border_sample,
+};
 pub use local::{Descent, LimitFrame, Patch, Ring, Scheme, Tangents, limit_frame};
 pub use plain::{PlainError, PlainLoop, PlainTopology, VertexRule};
 pub use stencil::{LevelState, LimitRows, Rows, Step};

@@ -29,8 +29,6 @@ enum Command {
     },
     /// The limit surface of a control cage, as GLB, OBJ and a picture.
     Limit(limit::Arguments),
-    /// Lists the stages: their sets, systems, and what each reads and writes.
-    Stages,
 }
 
 /// Runs the program on the process's arguments.
@@ -38,10 +36,6 @@ pub fn main() -> ExitCode {
     let result: Result<(), Box<dyn Error>> = match Arguments::parse().command {
         Command::Demo { out } => demo::run(&out),
         Command::Limit(arguments) => limit::run(&arguments),
-        Command::Stages => {
-            stages();
-            Ok(())
-        }
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -49,11 +43,5 @@ pub fn main() -> ExitCode {
             eprintln!("selvedge: {why}");
             ExitCode::FAILURE
         }
-    }
-}
-
-fn stages() {
-    for stage in selvedge_systems::schedule::STAGES {
-        println!("{stage:?}");
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use selvedge_components::mesh::{Connectivity, Fault};
 use selvedge_components::subdivision::LoopSurface;
-use selvedge_systems::triangulate::{Triangulation, TriangulateError, TriangulateOptions, triangulate};
+use selvedge_systems::triangulate::{TriangulateError, TriangulateOptions, Triangulation, triangulate};
 use thiserror::Error;
 
 use crate::io::{Cage, Limits, ReadError, obj};

@@ -120,6 +120,11 @@ impl Method {
     }
 }
 
+/// What a fit of the octant by `method` asks for: details on levels 0 to 5, everywhere.
+pub fn options(method: Method) -> FitOptions {
+    FitOptions { rule: method.rules().0, last_level: 5, ..FitOptions::default() }
+}
+
 /// One ladder: what a fit of one mesh by one method came to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LadderRow {
@@ -193,15 +198,14 @@ pub fn fit(
     everywhere: u32,
     last_level: u32,
 ) -> Result<OctantFit, OctantSceneError> {
-    let (rule, corner_rule) = method.rules();
-    let source = Arc::new(surface(octant, corner_rule)?);
+    let source = Arc::new(surface(octant, method.rules().1)?);
     let sphere = Arc::new(Projection(|p: DVec3| p * (RADIUS / p.length())));
     let region = if last_level > everywhere {
         Region::Around { vertex: octant.irregular, rings: 8, from_level: everywhere + 1 }
     } else {
         Region::Whole
     };
-    let options = FitOptions { rule, last_level, region, storage, ..FitOptions::default() };
+    let options = FitOptions { last_level, region, storage, ..options(method) };
     let mut work = FitWork::new(source.clone(), sphere, options)?;
     let mut maps = Vec::new();
     loop {
