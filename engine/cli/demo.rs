@@ -15,7 +15,7 @@ use crate::{DVec3, Engine, Progress};
 
 pub(super) fn run(out: &Path) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(out)?;
-    write_limit(&limit::spot()?, Density::Chord(2e-4), out, "spot")?;
+    write_limit(&limit::spot()?, Density::Chord(5e-4), out, "spot")?;
     fit_octant(out)?;
     println!("the files are in {}", out.display());
     Ok(())

@@ -6,3 +6,6 @@ pub mod limit_pictures;
 pub mod octant;
 #[cfg(feature = "diagram")]
 pub mod octant_pictures;
+#[cfg(feature = "diagram")]
+pub mod stencil_pictures;
+pub mod stencils;

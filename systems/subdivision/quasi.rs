@@ -13,6 +13,15 @@ pub use selvedge_components::subdivision::fit::{BoundaryStencil, CornerStencil};
 use super::fit::{FitWork, Quantum, Stage};
 use super::modify::FIRST_ROUNDS;
 
+/// Weights of [`BoundaryStencil::Quadratic`] on the two interior neighbours and the vertex beyond
+/// them: a rhombus, whose fourth point is the border vertex itself, where the residual is zero.
+pub const QUADRATIC: [f64; 3] = [-1.0 / 6.0, -1.0 / 6.0, 1.0 / 6.0];
+
+/// Weights of [`BoundaryStencil::Cubic`]: two neighbours, the vertex beyond them and the two beside
+/// it, and two of the third row. The only symmetric combination of these seven points that is exact
+/// on cubics.
+pub const CUBIC: [f64; 7] = [-5.0 / 12.0, -5.0 / 12.0, 0.5, 1.0 / 12.0, 1.0 / 12.0, -1.0 / 12.0, -1.0 / 12.0];
+
 /// Does the rule read the residual at vertex `v` of the finer level?
 pub(super) fn is_read(finer: &LevelMesh, v: u32) -> bool {
     matches!(finer.vertices[v as usize].origin, Origin::Vertex(_))
@@ -76,6 +85,10 @@ impl Stencils<'_> {
         self.residuals[v as usize]
     }
 
+    fn sum<const N: usize>(&self, weights: &[f64; N], vertices: [u32; N]) -> DVec3 {
+        weights.iter().zip(vertices).fold(DVec3::ZERO, |sum, (&w, v)| sum + w * self.at(v))
+    }
+
     /// Fig. 5a: `(1 - k beta) centre + beta ring`.
     fn interior(&self, v: u32) -> DVec3 {
         let beta = -0.5 / f64::from(self.mesh.vertices[v as usize].valence);
@@ -100,16 +113,14 @@ impl Stencils<'_> {
         let joining = after(mesh.ring(given.vertex).nth(1)?);
         let across = mesh.twin(joining)?;
         let apex = mesh.opposite(across);
-        let near = self.at(n1) + self.at(n2);
-        let quadratic = (self.at(apex) - near) / 6.0;
+        let quadratic = self.sum(&QUADRATIC, [n1, n2, apex]);
         if kind == BoundaryStencil::Quadratic {
             return Some(quadratic);
         }
         Some(self.cubic(n1, n2, apex, across).unwrap_or(quadratic))
     }
 
-    /// Rows 1 to 3 with weights `-5/2, -5/2; 1/2, 3, 1/2; -1/2, -1/2`, over 6: the only symmetric
-    /// combination of these seven points that is exact on cubics.
+    /// [`CUBIC`], where all three rows are regular.
     fn cubic(&self, n1: u32, n2: u32, apex: u32, across: u32) -> Option<DVec3> {
         let mesh = self.mesh;
         // `across` runs n2 -> n1 in the face of the apex.
@@ -125,9 +136,7 @@ impl Stencils<'_> {
         if ![n1, n2, apex, w1, w2].iter().all(regular) {
             return None;
         }
-        let rows = -2.5 * (self.at(n1) + self.at(n2)) + 3.0 * self.at(apex) + 0.5 * (self.at(w1) + self.at(w2))
-            - 0.5 * (self.at(z1) + self.at(z2));
-        Some(rows / 6.0)
+        Some(self.sum(&CUBIC, [n1, n2, apex, w1, w2, z1, z2]))
     }
 
     /// The detail of the corner `v` from those of its neighbours along the border, or from the
@@ -166,13 +175,9 @@ impl Stencils<'_> {
         let mesh = self.mesh;
         let opposite = mesh.twin(after(mesh.vertices[v as usize].start))?;
         let m = mesh.opposite(opposite);
-        let beside = |h: u32| {
-            let a = mesh.twin(h)?;
-            Some(a)
-        };
         // The two other edges of m's face; beyond each of them, the edge from m on.
-        let first = beside(after(opposite)).and_then(|h| mesh.twin(before(h)).map(|t| mesh.opposite(t)));
-        let second = beside(before(opposite)).and_then(|h| mesh.twin(after(h)).map(|t| mesh.opposite(t)));
+        let first = mesh.twin(after(opposite)).and_then(|h| mesh.twin(before(h)).map(|t| mesh.opposite(t)));
+        let second = mesh.twin(before(opposite)).and_then(|h| mesh.twin(after(h)).map(|t| mesh.opposite(t)));
         let inside = |v: &u32| mesh.vertices[*v as usize].kind == Kind::Interior;
         Some(match (first.filter(inside), second.filter(inside)) {
             (Some(w1), Some(w2)) => -(3.0 * self.at(m) - 0.5 * (self.at(w1) + self.at(w2))) / 6.0,
