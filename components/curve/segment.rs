@@ -52,6 +52,7 @@ mod tests {
             prop_assert_eq!(bits(there.position(1.0)), bits(end));
             let u = f64::from(k) / 1024.0;
             prop_assert_eq!(bits(there.position(u)), bits(back.position(1.0 - u)));
+            prop_assert_eq!(bits(there.position(0.5)), bits(back.position(0.5)));
         }
 
         #[test]
