@@ -161,23 +161,47 @@ fn letter(mut i: usize) -> String {
     }
 }
 
-/// Breaks words into lines no wider than `most` pixels, unless a single word is; a line break in
-/// the text is kept.
+/// Breaks words into as few lines no wider than `most` pixels as they need, about equally long; a
+/// line break in the text is kept.
 fn break_lines(words: &str, text: f64, most: f64) -> Vec<String> {
+    let fewest = fill_lines(words, text, most);
+    let mut balanced = fewest.clone();
+    let mut width = most;
+    while width > text {
+        width -= 0.5 * text;
+        let narrower = fill_lines(words, text, width);
+        let widest = narrower.iter().map(|line| text_width(line, text)).fold(0.0, f64::max);
+        if narrower.len() > fewest.len() || widest > most {
+            break;
+        }
+        balanced = narrower;
+    }
+    balanced
+}
+
+/// Lines that are each filled up to `most` pixels; a word wider than that has its own. A number stays
+/// with the unit that follows it.
+fn fill_lines(words: &str, text: f64, most: f64) -> Vec<String> {
     let mut lines = Vec::new();
     for paragraph in words.lines() {
         let mut line = String::new();
-        for word in paragraph.split(' ') {
-            let longer = if line.is_empty() { word.to_owned() } else { format!("{line} {word}") };
-            if line.is_empty() || text_width(&longer, text) <= most {
+        for word in paragraph.split_inclusive(' ').collect::<Vec<_>>().chunk_by(|word, _| is_number(word)) {
+            let word = word.concat();
+            let longer = format!("{line}{word}");
+            if line.is_empty() || text_width(longer.trim_end(), text) <= most {
                 line = longer;
             } else {
-                lines.push(core::mem::replace(&mut line, word.to_owned()));
+                lines.push(core::mem::replace(&mut line, word).trim_end().to_owned());
             }
         }
-        lines.push(line);
+        lines.push(line.trim_end().to_owned());
     }
     lines
+}
+
+fn is_number(word: &str) -> bool {
+    let word = word.trim_end();
+    word.ends_with(|c: char| c.is_ascii_digit()) && word.chars().all(|c| !c.is_alphabetic())
 }
 
 #[cfg(test)]
@@ -205,6 +229,16 @@ mod tests {
         let lines = break_lines(words, 14.0, 150.0);
         assert!(lines.len() > 1 && lines.iter().all(|line| text_width(line, 14.0) <= 150.0));
         assert_eq!(lines.join(" "), words);
+        let widths: Vec<f64> = lines.iter().map(|line| text_width(line, 14.0)).collect();
+        assert!(widths.iter().all(|width| *width > 75.0), "no line is left with a word or two: {widths:?}");
+    }
+
+    #[test]
+    fn a_number_stays_with_its_unit() {
+        for most in 10..400 {
+            let lines = break_lines("the arcs are met, the sphere is missed by 112 mm", 14.0, f64::from(most));
+            assert!(lines.iter().any(|line| line.contains("112 mm")), "{most}: {lines:?}");
+        }
     }
 
     #[test]
