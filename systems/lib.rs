@@ -5,6 +5,7 @@
 //! | [`schedule`] | the sets: phases of a pass, stages of a method |
 //! | [`enroll`], [`gather`], [`check`] | what every surface goes through first |
 //! | [`subdivision`] | the stages of subdivision surfaces |
+//! | [`spatial`], [`closest`] | what is near; closest points of surfaces |
 //! | [`target`] | what a surface is fitted to |
 //! | [`diagnostics`] | what each stage did, and how long it took |
 //! | [`parallel`] | work on many items at once, with the same bits |
@@ -14,11 +15,13 @@
 
 pub mod audit;
 pub mod check;
+pub mod closest;
 pub mod diagnostics;
 pub mod enroll;
 pub mod gather;
 pub mod parallel;
 pub mod schedule;
+pub mod spatial;
 pub mod subdivision;
 pub mod triangulate;
 
