@@ -5,9 +5,9 @@ mod support;
 use std::sync::Arc;
 
 use glam::DVec3;
-use selvedge_components::mesh::{Connectivity, VertexId};
-use selvedge_components::subdivision::{LoopSurface, PlainLoop};
+use selvedge_components::subdivision::LoopSurface;
 use selvedge_systems::audit::{Audit, AuditReport, audit};
+use selvedge_systems::subdivision::limit::LimitSurface;
 use selvedge_systems::triangulate::{Density, TriangulateOptions, Triangulation, triangulate};
 use support::octant;
 
@@ -73,10 +73,6 @@ fn torus(nu: u32, nv: u32) -> LoopSurface {
     support::plain(points, &faces)
 }
 
-fn limit(surface: &LoopSurface) -> PlainLoop {
-    PlainLoop::new(surface.mesh.clone(), surface.points.clone(), &[]).expect("a plain surface")
-}
-
 fn to_chord(surface: &LoopSurface, chord: f64) -> Triangulation {
     let options = TriangulateOptions { density: Density::Chord(chord), ..TriangulateOptions::default() };
     triangulate(surface, &options).expect("the chord can be kept")
@@ -88,18 +84,26 @@ fn sound(report: &AuditReport) {
 
 #[test]
 fn smoke() {
-    for (name, surface) in [("ico", icosahedron()), ("torus", torus(12, 6))] {
+    let spot = selvedge::scenes::limit::spot().unwrap();
+    let spot = support::plain(spot.positions.clone(), &spot.triangles);
+    for (name, surface, size) in [
+        ("ico", icosahedron(), 0.1),
+        ("torus", torus(12, 6), 0.1),
+        ("oct", octant("cone(1,2)"), 0.05),
+        ("spot", spot, 0.02),
+    ] {
+        let limit = LimitSurface::new(Arc::new(surface.clone())).unwrap();
         for level in 0..4 {
             let options = TriangulateOptions { density: Density::Level(level), ..TriangulateOptions::default() };
             let done = triangulate(&surface, &options).unwrap();
             sound(&audit(&done.triangles, &Audit::of(&surface)));
         }
         for k in 1..5 {
-            let chord = 0.1 * 0.3_f64.powi(k);
+            let chord = size * 0.3_f64.powi(k);
             let start = std::time::Instant::now();
             let done = to_chord(&surface, chord);
             let time = start.elapsed();
-            let report = audit(&done.triangles, &Audit::of(&surface).within(&limit(&surface), chord));
+            let report = audit(&done.triangles, &Audit::of(&surface).within(&limit, chord));
             println!(
                 "{name} {chord:e} {} {:?} {:?} {time:?}\n   {:?}",
                 done.triangles.triangles.len(),
@@ -110,19 +114,5 @@ fn smoke() {
             println!("   {}", done.report.worst_shape);
             sound(&report);
         }
-    }
-    let surface = octant("cone(1,2)");
-    for k in 1..5 {
-        let chord = 0.1 * 0.3_f64.powi(k);
-        let done = to_chord(&surface, chord);
-        let report = audit(&done.triangles, &Audit::of(&surface));
-        println!(
-            "oct {chord:e} {} {:?} {:?}\n  {}",
-            done.triangles.triangles.len(),
-            done.report.leaves,
-            done.report.chord,
-            done.report.worst_shape
-        );
-        sound(&report);
     }
 }

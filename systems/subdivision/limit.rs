@@ -329,9 +329,10 @@ impl KeptLevel {
     }
 }
 
-/// The control points of `face` in the order of [`Net`](selvedge_components::subdivision::boxspline::Net), where its corners are interior, of valence
-/// 6 and away from special corners: it is one polynomial then.
-fn regular_net(mesh: &LevelMesh, face: u32) -> Option<[u32; 12]> {
+/// The control points of `face`, in the order of a
+/// [`Net`](selvedge_components::subdivision::boxspline::Net), where its corners are interior, of
+/// valence 6 and away from special corners: it is one polynomial then.
+pub fn regular_net(mesh: &LevelMesh, face: u32) -> Option<[u32; 12]> {
     let mut net = [0; 12];
     for c in 0..3 {
         let ring = hexagon(mesh, 3 * face + c as u32)?;

@@ -11,7 +11,7 @@ use super::assemble::{Assembly, assemble};
 use super::forest::Forest;
 use super::measure::{Over, squared_to_triangle};
 use super::pyramid::{Floor, Pyramid};
-use super::sample::{Farthest, Lattice, farthest};
+use super::sample::{Farthest, Grid, farthest};
 use super::{ChordReport, Subject, TriangulateError, TriangulateOptions, Triangulation, within_budget};
 
 /// A leaf passes where fifteen points find it closer than this part of the chord.
@@ -32,7 +32,7 @@ pub fn adapt(subject: &Subject, chord: f64, options: &TriangulateOptions) -> Res
         grow(subject, &mut forest, new, chord, options)?;
         let assembly = assemble(subject, &forest, options.normals)?;
         let around = assembly.around();
-        let found = farthest(subject, &assembly.pyramid, Lattice::Ninths, |l, place| assembly.near(&around, l, place))?;
+        let found = farthest(subject, &assembly.pyramid, Grid::Ninths, |l, place| assembly.near(&around, l, place));
         let too_far = failing(&assembly.pyramid, &found, chord);
         let stuck = too_far.get(options.last_level as usize).map_or(0, Vec::len);
         let open: Vec<_> = too_far.into_iter().take(options.last_level as usize).collect();
@@ -55,11 +55,11 @@ fn grow(
         within_budget(forest.leaf_count(), options)?;
         new.truncate(options.last_level as usize);
         let pyramid = Pyramid::new(subject, &new)?;
-        let found = farthest(subject, &pyramid, Lattice::Quarters, |l, place| {
+        let found = farthest(subject, &pyramid, Grid::Quarters, |l, place| {
             let face = pyramid.floors[l].faces[place];
             let (corners, borders) = (pyramid.corners(l, face), pyramid.floors[l].borders(face));
             move |x| alone(x, corners, borders)
-        })?;
+        });
         new = forest.split(&subject.surface.mesh, &failing(&pyramid, &found, MARGIN * chord));
     }
     Ok(())

@@ -22,13 +22,14 @@ mod assemble;
 pub mod closure;
 mod forest;
 mod measure;
-mod normals;
 mod pyramid;
 mod reach;
 mod sample;
 
+use std::sync::Arc;
+
 use glam::DVec3;
-use selvedge_components::mesh::{FaceId, VertexId};
+use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::{CornerTable, FaceCode, LoopSurface};
 use selvedge_components::triangles::Triangles;
 use thiserror::Error;
@@ -37,13 +38,15 @@ use forest::Forest;
 pub(crate) use measure::{shape, squared_to_segment, squared_to_triangle};
 use reach::Reach;
 
+use crate::subdivision::limit::{LimitError, LimitSurface};
+
 /// How a surface is triangulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangulateOptions {
     /// How fine.
     pub density: Density,
-    /// The finest level of leaves when the density is a chord; or three less than the finest that
-    /// addresses allow, if that is coarser: leaves are measured three levels deeper.
+    /// The finest level of leaves when the density is a chord; or the finest that addresses allow, if
+    /// that is coarser.
     pub last_level: u32,
     /// The most triangles that may come out.
     pub most_triangles: usize,
@@ -143,21 +146,16 @@ pub enum TriangulateError {
     /// The level is finer than faces of this mesh can be addressed.
     #[error("level {level} is finer than the finest that {faces} root faces allow, {finest}")]
     TooFine {
-        /// What was asked for, or what the details need.
+        /// What was asked for.
         level: u32,
         /// Root faces.
         faces: usize,
         /// The finest possible.
         finest: u32,
     },
-    /// A control point is NaN or infinite.
-    #[error("the control point of {vertex} is not finite: {at}")]
-    PointNotFinite {
-        /// Its vertex.
-        vertex: VertexId,
-        /// The control point.
-        at: DVec3,
-    },
+    /// The surface cannot be evaluated.
+    #[error(transparent)]
+    Limit(#[from] LimitError),
     /// A point of the limit surface is NaN or infinite: a curve or a detail is.
     #[error("the limit surface is not finite on {face}: {at}")]
     LimitNotFinite {
@@ -165,14 +163,6 @@ pub enum TriangulateError {
         face: FaceId,
         /// The point.
         at: DVec3,
-    },
-    /// There is not exactly one control point for each vertex.
-    #[error("{points} control points for {vertices} vertices")]
-    PointCount {
-        /// How many control points there are.
-        points: usize,
-        /// How many vertices there are.
-        vertices: usize,
     },
     /// There would be more triangles than allowed.
     #[error("there would be {triangles} triangles or more, and {limit} are allowed")]
@@ -192,17 +182,18 @@ pub enum TriangulateError {
 /// # Errors
 /// When the options cannot be met or the surface is not finite.
 pub fn triangulate(surface: &LoopSurface, options: &TriangulateOptions) -> Result<Triangulation, TriangulateError> {
-    check(surface, options)?;
-    let subject = Subject::new(surface);
+    let subject = Subject::new(surface)?;
+    let faces = surface.mesh.face_count();
+    let finest = FaceCode::finest(faces);
     match options.density {
+        Density::Level(level) if level > finest => Err(TriangulateError::TooFine { level, faces, finest }),
         Density::Level(level) => {
-            let faces = surface.mesh.face_count();
             // Codes of this level fit 64 bits, so their number does.
             within_budget(faces << (2 * level), options)?;
             Ok(assemble::assemble(&subject, &Forest::uniform(faces, level), options.normals)?.finish())
         }
         Density::Chord(chord) => {
-            let finest = FaceCode::finest(surface.mesh.face_count()).saturating_sub(3);
+            check_chord(surface, chord)?;
             let options = TriangulateOptions { last_level: options.last_level.min(finest), ..*options };
             adapt::adapt(&subject, chord, &options)
         }
@@ -210,36 +201,23 @@ pub fn triangulate(surface: &LoopSurface, options: &TriangulateOptions) -> Resul
 }
 
 /// A surface and what every pass over it reads.
-pub(crate) struct Subject<'a> {
-    pub surface: &'a LoopSurface,
-    pub corners: CornerTable,
-    pub reach: Reach,
+struct Subject<'a> {
+    surface: &'a LoopSurface,
+    corners: CornerTable,
+    limit: LimitSurface,
+    reach: Reach,
 }
 
 impl<'a> Subject<'a> {
-    pub fn new(surface: &'a LoopSurface) -> Self {
-        Self { surface, corners: CornerTable::new(surface), reach: Reach::new(&surface.mesh, &surface.details) }
+    fn new(surface: &'a LoopSurface) -> Result<Self, LimitError> {
+        Ok(Self {
+            // A copy of the control points and details: little beside the triangles they make.
+            limit: LimitSurface::new(Arc::new(surface.clone()))?,
+            corners: CornerTable::new(surface),
+            reach: Reach::new(&surface.mesh, &surface.details),
+            surface,
+        })
     }
-}
-
-fn check(surface: &LoopSurface, options: &TriangulateOptions) -> Result<(), TriangulateError> {
-    let (points, vertices) = (surface.points.len(), surface.mesh.vertex_count());
-    if points != vertices {
-        return Err(TriangulateError::PointCount { points, vertices });
-    }
-    if let Some(v) = surface.points.iter().position(|p| !p.is_finite()) {
-        return Err(TriangulateError::PointNotFinite { vertex: VertexId::new(v), at: surface.points[v] });
-    }
-    let level = match options.density {
-        Density::Level(level) => level,
-        Density::Chord(chord) => {
-            check_chord(surface, chord)?;
-            0
-        }
-    };
-    let faces = surface.mesh.face_count();
-    let (level, finest) = (level.max(surface.details.depth()), FaceCode::finest(faces));
-    if level > finest { Err(TriangulateError::TooFine { level, faces, finest }) } else { Ok(()) }
 }
 
 fn check_chord(surface: &LoopSurface, chord: f64) -> Result<(), TriangulateError> {

@@ -5,10 +5,11 @@
 //! proportion to the faces asked for, wherever they are.
 
 use glam::DVec3;
-use selvedge_components::subdivision::{FaceCode, LimitRows, NONE, Origin};
+use selvedge_components::subdivision::{FaceCode, LimitRows, NONE, Origin, Scheme, limit_frame};
 
 use super::reach::union;
-use super::{Subject, TriangulateError, normals};
+use super::{Subject, TriangulateError};
+use crate::parallel::map_in_order;
 use crate::subdivision::chain::{self, Level};
 use crate::subdivision::region;
 
@@ -181,8 +182,11 @@ impl Pyramid {
         for (floor, names) in self.floors.iter().zip(names) {
             let here: Vec<u32> =
                 (0..floor.asked.len() as u32).filter(|&v| floor.asked[v as usize] == Asked::Here).collect();
-            for (&v, normal) in here.iter().zip(normals::at(subject, &floor.level, &here)) {
-                all[names[v as usize] as usize] = normal;
+            let scheme = Scheme { surface: subject.surface, corners: &subject.corners };
+            let Level { mesh, state } = &floor.level;
+            let found = map_in_order(here.len(), |i| limit_frame(scheme, mesh, state, here[i]));
+            for (&v, frame) in here.iter().zip(found) {
+                all[names[v as usize] as usize] = frame.map_or(DVec3::ZERO, |frame| frame.normal());
             }
         }
         all

@@ -1,9 +1,7 @@
-//! How far stored details reach: which limit points and which patches of a level wait for finer
-//! ones.
+//! How far stored details reach: which limit points of a level wait for finer ones.
 //!
 //! A detail of level `m` moves the limit points of its own vertex and of that vertex's neighbours at
-//! level `m`, since the limit mask reads one ring; and it changes the patches of the faces within two
-//! rings. So the limit point of a vertex is final on the first level from which no finer level has
+//! level `m`, since the limit mask reads one ring. So the limit point of a vertex is final on the first level from which no finer level has
 //! a detail on the vertex or next to it. That level follows from the surface alone: a vertex has the
 //! same bits in every triangulation.
 
@@ -25,8 +23,6 @@ struct Level {
     /// Faces that have corners whose limit points finer details move, ascending; and which corners,
     /// one bit each.
     waiting: Vec<(FaceCode, u8)>,
-    /// Faces whose patches finer details change, ascending.
-    changed: Vec<FaceCode>,
 }
 
 impl Reach {
@@ -41,10 +37,7 @@ impl Reach {
         }
         for m in (1..levels.len()).rev() {
             let (coarser, finer) = levels.split_at_mut(m);
-            let (coarse, fine) = (&mut coarser[m - 1], &finer[0]);
-            coarse.waiting = waiting_parents(fine);
-            let own = region::neighbourhood(mesh, m as u32, &fine.moved);
-            coarse.changed = region::parents(&union(&own, &fine.changed));
+            coarser[m - 1].waiting = waiting_parents(&finer[0]);
         }
         Self { levels }
     }
@@ -64,11 +57,6 @@ impl Reach {
     pub fn waits(&self, level: u32, face: FaceCode) -> u8 {
         let waiting = self.waiting(level);
         waiting.binary_search_by_key(&face, |w| w.0).map_or(0, |i| waiting[i].1)
-    }
-
-    /// Do details of finer levels change the patch of this face of `level`?
-    pub fn changes(&self, level: u32, face: FaceCode) -> bool {
-        self.levels.get(level as usize).is_some_and(|l| l.changed.binary_search(&face).is_ok())
     }
 
     /// The descendants, at `finer`, of a face of `level` that have a corner with a detail.
