@@ -87,7 +87,9 @@ impl<'a> Valences<'a> {
     fn new(polygons: &'a Polygons) -> Self {
         let excess = vec![-6; polygons.positions.len()];
         let least = vec![i32::MIN; polygons.positions.len()];
-        let mut mesh = Self { positions: &polygons.positions, excess, least, edges: HashMap::new() };
+        // Half the sides, about as many diagonals again.
+        let edges = HashMap::with_capacity(polygons.faces().map(<[u32]>::len).sum());
+        let mut mesh = Self { positions: &polygons.positions, excess, least, edges };
         let mut faces = vec![0_u32; polygons.positions.len()];
         for (a, b) in polygons.faces().flat_map(sides) {
             mesh.add(a, b);

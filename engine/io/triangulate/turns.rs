@@ -93,7 +93,7 @@ impl<'a, 'b> Turner<'a, 'b> {
     fn chain(&mut self, start: usize) -> bool {
         let mut made: Vec<Turn> = Vec::with_capacity(LONGEST_CHAIN);
         let mut rise = 0;
-        let mut next = self.turn_of(start);
+        let mut next = self.turn_of(start).filter(|turn| self.relieves(turn));
         while let Some(turn) = next {
             self.make(&turn);
             made.push(turn);
@@ -107,6 +107,13 @@ impl<'a, 'b> Turner<'a, 'b> {
             self.take_back(&turn);
         }
         false
+    }
+
+    /// Is there something in a turn to begin with: an end with too many edges, an apex with too few,
+    /// or a triangle to be mended? Where all is regular, nothing is tried.
+    fn relieves(&self, turn: &Turn) -> bool {
+        let excess = |v: u32| self.mesh.excess[v as usize];
+        turn.mended > 0 || turn.old_ends.iter().any(|&v| excess(v) > 0) || turn.new_ends.iter().any(|&v| excess(v) < 0)
     }
 
     /// The best turn of a diagonal that ends where the last turn made an edge. Of equals the first.
