@@ -5,7 +5,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use crate::budget::BudgetExceeded;
-use crate::guard::CallError;
+use crate::curve::{CurveError, CurveFault};
 use crate::mesh::{Fault, VertexId};
 use crate::subdivision::Address;
 use crate::subdivision::fit::{FitError, Outcome, Rung, Stage};
@@ -75,15 +75,26 @@ pub enum SurfaceFault {
         /// How many it must have.
         least: usize,
     },
-    /// A side's curve gives no point where the side begins.
-    #[error("the curve of side {side} gives no point at its index {index}: {why}")]
+    /// A side is longer than its curve's parameters from where it begins; or is closed, and the
+    /// parameters do not go round with it.
+    #[error("side {side} has {edges} edges along parameters that have {available} from where it begins")]
+    SideParameters {
+        /// The side.
+        side: usize,
+        /// How many edges it has.
+        edges: usize,
+        /// How many the parameters have.
+        available: u64,
+    },
+    /// A side's curve gives no point at one of its vertices.
+    #[error("side {side} has no point at vertex {vertex}: {why}")]
     SideCurve {
         /// The side.
         side: usize,
-        /// The index in the curve's parameters.
-        index: u64,
+        /// The vertex.
+        vertex: VertexId,
         /// What happened.
-        why: CallError,
+        why: CurveError,
     },
     /// Two detail coefficients sit at the same place.
     #[error("level {level} has more than one detail at {address:?}")]
@@ -133,37 +144,8 @@ pub struct SurfaceFailed(pub Vec<SurfaceFault>);
 
 /// This curve is refused. Written by the check stage; removed by it once the curve is sound.
 #[derive(Component, Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum CurveFailed {
-    /// The curve gives no point at a parameter.
-    #[error("the curve gives no point at u = {u}: {why}")]
-    NoPoint {
-        /// The parameter, in [0, 1].
-        u: f64,
-        /// What happened.
-        why: CallError,
-    },
-    /// A curve that says it is closed ends elsewhere than where it begins.
-    #[error("the curve says it is closed, but ends {gap} from where it begins")]
-    Open {
-        /// The distance, in model units.
-        gap: f64,
-    },
-    /// The list of corners is not ascending inside [0, 1), or has NaN in it.
-    #[error("corner {index} of the curve is at u = {u}, out of order or out of [0, 1)")]
-    BadCorner {
-        /// Its place in the list.
-        index: usize,
-        /// Its parameter.
-        u: f64,
-    },
-    /// The curve panicked when it was asked what it is.
-    #[error("the curve panicked when asked for its corners: {message}")]
-    Panicked {
-        /// What the panic said.
-        message: String,
-    },
-}
+#[error("{} faults, the first: {}", .0.len(), .0.first().map_or_else(String::new, ToString::to_string))]
+pub struct CurveFailed(pub Vec<CurveFault>);
 
 /// Why a fitting job has no result.
 #[derive(Clone, Debug, PartialEq, Error)]

@@ -3,16 +3,18 @@
 mod support;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use selvedge::curve::{Curve, CurveFault, CurveParameters, SpaceCurve};
 use selvedge::diagnostics::{Counters, GroundDiagnostics};
-use selvedge::error::{SurfaceFailed, SurfaceFault};
+use selvedge::error::{CurveFailed, SurfaceFailed, SurfaceFault};
 use selvedge::mesh::{Fault, VertexId};
 use selvedge::subdivision::{
-    Address, Cage, ControlPointIndex, ControlPointOf, ControlPoints, Detail, DetailLevel, DetailOf, Details,
-    LoopSurface, Position, Sides, Snapshot,
+    Address, Border, Cage, ControlPointIndex, ControlPointOf, ControlPoints, Detail, DetailLevel, DetailOf, Details,
+    Heading, LoopSurface, Position, Sides, Snapshot,
 };
 use selvedge::{despawn_surface, spawn_surface};
 use support::world::{bits, by_hand, details_of, dump_without_resources, host, octahedron, snapshot, torus};
@@ -345,6 +347,81 @@ fn a_despawned_surface_leaves_nothing_of_itself() {
     schedule.run(&mut world);
     assert_eq!(dump_without_resources(&mut world), before);
     assert!(world.get::<Snapshot>(stays).is_some());
+}
+
+/// A curve of a host's own, that can change inside.
+#[derive(Debug)]
+struct Moody {
+    revision: Arc<AtomicU64>,
+    position: fn(f64) -> DVec3,
+}
+
+impl Curve for Moody {
+    fn position(&self, u: f64) -> DVec3 {
+        (self.position)(u)
+    }
+
+    fn revision(&self) -> u64 {
+        self.revision.load(Ordering::Relaxed)
+    }
+}
+
+/// A square whose border from corner to corner and back is `curve`.
+fn along(curve: impl Curve + 'static) -> LoopSurface {
+    let mesh = Arc::new(selvedge::mesh::Connectivity::new(4, &[[0, 1, 2], [0, 2, 3]]).unwrap());
+    let points = vec![DVec3::ZERO, DVec3::X, DVec3::ONE, DVec3::Y];
+    let mut surface = LoopSurface::plain(mesh, points, &[VertexId(0)]);
+    let curve = Arc::new(CurveParameters::even(Arc::new(curve), 4).unwrap());
+    surface.sides[0].border = Border::Given { curve, first: 0, heading: Heading::Along };
+    surface
+}
+
+#[test]
+fn a_curve_that_has_changed_inside_makes_another_surface_of_it() {
+    let (mut world, mut schedule) = host();
+    let revision = Arc::new(AtomicU64::new(3));
+    let surface = spawn_surface(&mut world, &along(Moody { revision: revision.clone(), position: DVec3::splat }));
+    schedule.run(&mut world);
+    let before = snapshot(&world, surface).revision;
+    schedule.run(&mut world);
+    assert_eq!(snapshot(&world, surface).revision, before);
+    revision.store(4, Ordering::Relaxed);
+    schedule.run(&mut world);
+    assert!(snapshot(&world, surface).revision > before);
+}
+
+#[test]
+fn a_curve_that_gives_no_point_stops_what_is_along_it_and_says_where() {
+    let (mut world, mut schedule) = host();
+    let revision = Arc::new(AtomicU64::new(0));
+    let poles: [fn(f64) -> DVec3; 2] = [
+        |u| if u == 0.5 { DVec3::NAN } else { DVec3::splat(u) },
+        |u| if u == 0.5 { panic!("a pole") } else { DVec3::splat(u) },
+    ];
+    for position in poles {
+        let surface = spawn_surface(&mut world, &along(Moody { revision: revision.clone(), position }));
+        let curve = world.spawn(SpaceCurve::new(Moody { revision: revision.clone(), position })).id();
+        schedule.run(&mut world);
+        let told = &world.get::<SurfaceFailed>(surface).expect("the curve has a pole").0;
+        assert!(matches!(told[..], [SurfaceFault::SideCurve { side: 0, vertex: VertexId(2), .. }]), "{told:?}");
+        let told = &world.get::<CurveFailed>(curve).expect("the curve has a pole").0;
+        assert!(matches!(told[..], [CurveFault::Evaluation { to: 0.5, .. }]), "{told:?}");
+        let checked = world.resource::<GroundDiagnostics>().check;
+        schedule.run(&mut world);
+        let again = world.resource::<GroundDiagnostics>().check;
+        assert_eq!((again.items, again.written), (checked.items, checked.written), "told once");
+        world.entity_mut(curve).insert(SpaceCurve::new(Moody { revision: revision.clone(), position: DVec3::splat }));
+        schedule.run(&mut world);
+        assert!(world.get::<CurveFailed>(curve).is_none(), "it is mended");
+    }
+    // A list of parameters that ends before the side does.
+    let mut long = along(Moody { revision, position: DVec3::splat });
+    let Border::Given { first, .. } = &mut long.sides[0].border else { panic!("it is given") };
+    *first = 1;
+    let surface = spawn_surface(&mut world, &long);
+    schedule.run(&mut world);
+    let told = &world.get::<SurfaceFailed>(surface).expect("there are too few parameters").0;
+    assert_eq!(told[..], [SurfaceFault::SideParameters { side: 0, edges: 4, available: 3 }]);
 }
 
 /// Whatever a host does, and whatever the rows have been through, the snapshot is what a slow walk

@@ -1,13 +1,12 @@
 //! A user's curve, called safely: whatever it does comes back as a typed error.
 
-use core::any::Any;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 
 use super::{Curve, CurveError};
+pub(super) use crate::guard::caught as catch;
 
 /// The position of `curve` at `u`.
 ///
@@ -31,19 +30,6 @@ pub fn evaluate(curve: &dyn Curve, u: f64) -> Result<DVec3, CurveError> {
 pub(super) fn call(u: f64, vector: impl FnOnce() -> DVec3) -> Result<DVec3, CurveError> {
     let at = catch(vector).map_err(|message| CurveError::Panicked { u, message })?;
     if at.is_finite() { Ok(at) } else { Err(CurveError::NotFinite { u, at }) }
-}
-
-/// What `f` gives, or what its panic says.
-///
-/// Unwind safety is asserted: a curve is borrowed shared and is not trusted afterwards, and what
-/// it shares with its host, the host must guard (a poisoned lock panics again, and is caught again).
-pub(super) fn catch<T>(f: impl FnOnce() -> T) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(f)).map_err(|payload| message(&*payload))
-}
-
-fn message(payload: &(dyn Any + Send)) -> String {
-    let text = payload.downcast_ref::<&str>().map(ToString::to_string);
-    text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "a panic without a message".into())
 }
 
 /// How many evaluations of curves a job may make, counted over all its curves and threads.

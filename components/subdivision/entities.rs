@@ -17,6 +17,7 @@ use bevy_ecs::prelude::{Component, Entity};
 use glam::DVec3;
 
 use super::surface::{Border, CornerRule, LoopSurface, Side, plain_sides};
+use crate::guard::caught;
 use crate::mesh::{Connectivity, VertexId};
 
 /// The connectivity of a subdivision surface. What makes an entity a surface of this kind.
@@ -45,8 +46,18 @@ impl Sides {
         Self { sides: plain_sides(mesh, corners), corner_rule: CornerRule::default() }
     }
 
+    /// The revision of each side's curve; `None` for a plain side, and where the curve panics when
+    /// asked.
+    pub fn revisions(&self) -> Vec<Option<u64>> {
+        let revision = |side: &Side| match &side.border {
+            Border::Plain => None,
+            Border::Given { curve, .. } => caught(|| curve.curve().revision()).ok(),
+        };
+        self.sides.iter().map(revision).collect()
+    }
+
     /// Are these the borders that `surface` was gathered with? Curves are the same when they are
-    /// one and the same object.
+    /// one and the same object; whether that has changed inside, its revision tells.
     pub fn same_as(&self, surface: &LoopSurface) -> bool {
         self.corner_rule == surface.corner_rule
             && self.sides.len() == surface.sides.len()
@@ -116,4 +127,7 @@ pub struct Snapshot {
     /// Rises whenever the surface has become another one, and only then; no two different surfaces
     /// of one world ever have the same.
     pub revision: u64,
+    /// The revision of each side's curve when it was gathered; `None` for a plain side, and where
+    /// the curve panicked when asked.
+    pub curves: Vec<Option<u64>>,
 }

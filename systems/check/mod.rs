@@ -13,6 +13,6 @@ mod curve;
 mod surface;
 mod system;
 
-pub use curve::curve_fault;
+pub use curve::curve_faults;
 pub use surface::surface_faults;
 pub use system::{Checked, check_curves, check_surfaces};

@@ -1,10 +1,10 @@
 //! What can be wrong with a surface that has all its parts.
 
 use selvedge_components::budget::{Budget, Budgets};
+use selvedge_components::curve::{Extent, evaluate};
 use selvedge_components::error::SurfaceFault;
-use selvedge_components::guard::{CallError, caught};
 use selvedge_components::mesh::{Connectivity, VertexId, position_faults};
-use selvedge_components::subdivision::{Address, Border, Details, Ends, LoopSurface, Side};
+use selvedge_components::subdivision::{Address, Border, Details, Ends, Heading, LoopSurface, Side};
 
 /// Every fault of `surface`: of its control points, its sides, its details, in that order, each by
 /// index. The mesh itself has none, for it could not have been built.
@@ -63,25 +63,28 @@ fn border_edge(mesh: &Connectivity, v: VertexId) -> Option<VertexId> {
     mesh.is_border(v).then(|| mesh.to(mesh.outgoing(v)))
 }
 
-/// Given curves that give no point at one of the side's vertices: the first of each side.
+/// Faults of given sides along their curves: of each side the first.
 fn curve_faults(sides: &[Side]) -> Vec<SurfaceFault> {
-    let given = sides.iter().enumerate().filter(|(_, side)| matches!(side.border, Border::Given { .. }));
-    given.filter_map(|(side, given)| curve_fault(side, given)).collect()
+    sides.iter().enumerate().filter_map(|(side, given)| curve_fault(side, given)).collect()
 }
 
 fn curve_fault(side: usize, given: &Side) -> Option<SurfaceFault> {
-    let Border::Given { curve, first, .. } = &given.border else { return None };
-    // Where a side leaves its curve's parameters, arithmetic on indices may panic; the sample of
-    // the curve is user code, and may too.
-    (0..=given.edge_count() as u64).find_map(|step| {
-        let sampled = caught(|| given.curve_index(0, step).map(|index| (index, curve.sample(0, index))));
-        match sampled {
-            Ok(Some((index, value))) if !value.is_finite() => {
-                Some(SurfaceFault::SideCurve { side, index, why: CallError::NotFinite { value } })
-            }
-            Ok(_) => None,
-            Err(message) => Some(SurfaceFault::SideCurve { side, index: *first, why: CallError::Panicked { message } }),
-        }
+    let Border::Given { curve, first, heading } = &given.border else { return None };
+    let (edges, all) = (given.edge_count(), curve.edge_count(0));
+    let available = match (curve.extent(), given.ends, heading) {
+        (Extent::Open, Ends::Closed, _) => 0,
+        (Extent::Open, _, Heading::Along) => all.saturating_sub(*first),
+        (Extent::Open, _, Heading::Against) => (*first).min(all),
+        (Extent::Closed, ..) => all,
+    };
+    let round = given.ends == Ends::Closed && edges as u64 != available;
+    if round || edges as u64 > available {
+        return Some(SurfaceFault::SideParameters { side, edges, available });
+    }
+    (0..).zip(&given.vertices).find_map(|(step, &vertex)| {
+        let index = given.curve_index(0, step)?;
+        let why = evaluate(&**curve.curve(), curve.parameter(0, index)).err()?;
+        Some(SurfaceFault::SideCurve { side, vertex, why })
     })
 }
 

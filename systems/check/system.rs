@@ -8,7 +8,7 @@ use selvedge_components::error::{CurveFailed, SurfaceFailed};
 use selvedge_components::guard::caught;
 use selvedge_components::subdivision::Snapshot;
 
-use super::{curve_fault, surface_faults};
+use super::{curve_faults, surface_faults};
 use crate::diagnostics::{Counters, GroundDiagnostics};
 use crate::parallel::for_each;
 
@@ -58,12 +58,13 @@ pub fn check_curves(
             continue;
         }
         run.counted.items += 1;
-        let fault = curve_fault(&*space.curve);
-        run.counted.written += u64::from(failed || fault.is_some());
-        match fault {
-            Some(fault) => commands.entity(entity).try_insert(fault),
-            None => commands.entity(entity).try_remove::<CurveFailed>(),
-        };
+        let faults = curve_faults(&*space.curve);
+        run.counted.written += u64::from(failed || !faults.is_empty());
+        if faults.is_empty() {
+            commands.entity(entity).try_remove::<CurveFailed>();
+        } else {
+            commands.entity(entity).try_insert(CurveFailed(faults));
+        }
     }
     if let Some(mut diagnostics) = diagnostics {
         diagnostics.check += run.finish();

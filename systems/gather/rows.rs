@@ -21,7 +21,7 @@ pub enum News {
 /// Rows of one table that belong to surfaces.
 pub trait Rows: Copy {
     /// How many there are.
-    fn len(&self) -> usize;
+    fn count(&self) -> usize;
     /// Whom a row belongs to.
     fn owner(&self, row: usize) -> Entity;
 }
@@ -40,7 +40,7 @@ pub struct PointRows<'a> {
 }
 
 impl Rows for PointRows<'_> {
-    fn len(&self) -> usize {
+    fn count(&self) -> usize {
         self.entities.len()
     }
 
@@ -63,7 +63,7 @@ pub struct DetailRows<'a> {
 }
 
 impl Rows for DetailRows<'_> {
-    fn len(&self) -> usize {
+    fn count(&self) -> usize {
         self.owners.len()
     }
 
@@ -77,7 +77,7 @@ impl Rows for DetailRows<'_> {
 pub struct OwnerRows<'a>(pub &'a [DetailOf]);
 
 impl Rows for OwnerRows<'_> {
-    fn len(&self) -> usize {
+    fn count(&self) -> usize {
         self.0.len()
     }
 
@@ -100,11 +100,11 @@ pub struct Table<R> {
 pub fn runs<R: Rows>(rows: R) -> impl Iterator<Item = (Entity, Range<usize>)> {
     let mut start = 0;
     core::iter::from_fn(move || {
-        if start == rows.len() {
+        if start == rows.count() {
             return None;
         }
         let owner = rows.owner(start);
-        let end = (start + 1..rows.len()).find(|&row| rows.owner(row) != owner).unwrap_or(rows.len());
+        let end = (start + 1..rows.count()).find(|&row| rows.owner(row) != owner).unwrap_or(rows.count());
         let run = (owner, start..end);
         start = end;
         Some(run)

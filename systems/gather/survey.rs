@@ -33,15 +33,15 @@ impl Slots {
     }
 
     /// How many there are.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.of.len()
     }
 }
 
 /// For each slot, the most that is new about any of its rows. Brings `ledger` up to date.
 pub fn survey<R: Rows>(tables: &[Table<R>], slots: &Slots, ledger: &mut Ledger) -> Vec<News> {
-    let mut marks = vec![News::None; slots.len()];
-    let mut moved = tables.iter().map(|t| t.rows.len()).sum::<usize>() != ledger.rows;
+    let mut marks = vec![News::None; slots.count()];
+    let mut moved = tables.iter().map(|t| t.rows.count()).sum::<usize>() != ledger.rows;
     for table in tables {
         let Some(news) = &table.news else { continue };
         for (owner, run) in runs(table.rows) {
@@ -67,7 +67,7 @@ pub fn survey<R: Rows>(tables: &[Table<R>], slots: &Slots, ledger: &mut Ledger) 
 fn count<R: Rows>(tables: &[Table<R>]) -> Ledger {
     let mut ledger = Ledger::default();
     for table in tables {
-        ledger.rows += table.rows.len();
+        ledger.rows += table.rows.count();
         for (owner, run) in runs(table.rows) {
             *ledger.per_owner.entry(owner).or_default() += run.len();
         }

@@ -47,8 +47,7 @@ type Coefficient =
 pub fn gather_surfaces(
     mut commands: Commands,
     mut surfaces: Query<Surface>,
-    points: Query<Point>,
-    details: Query<Coefficient>,
+    (points, details): (Query<Point>, Query<Coefficient>),
     mut memory: Local<Memory>,
     mut serials: If<ResMut<Serials>>,
     budgets: Option<Res<Budgets>>,
@@ -150,7 +149,8 @@ impl<'w> Source<'w> {
         }
         let (Some(points), Some(details)) = (points, details) else { return false };
         let surface = Arc::new(self.surface(points, details));
-        commands.entity(self.entity).try_insert(Snapshot { surface, revision: serials.next_number() });
+        let (revision, curves) = (serials.next_number(), self.sides.revisions());
+        commands.entity(self.entity).try_insert(Snapshot { surface, revision, curves });
         true
     }
 
@@ -191,8 +191,11 @@ impl<'w> Source<'w> {
             Arc::make_mut(held).details = details;
             changed = true;
         }
+        let curves = self.sides.revisions();
+        changed |= curves != snapshot.curves;
         if changed {
             snapshot.revision = serials.next_number();
+            snapshot.curves = curves;
         }
         changed
     }
@@ -275,7 +278,7 @@ fn point_tables<'q>(points: &'q Query<Point>) -> Vec<Table<PointRows<'q>>> {
             let (owners, owner_ticks) = ContiguousRef::split(owners);
             let (indices, index_ticks) = ContiguousRef::split(indices);
             let rows = PointRows { entities, owners, indices, positions };
-            Table { rows, news: news(rows.len(), &values, &[owner_ticks, index_ticks]) }
+            Table { rows, news: news(rows.count(), &values, &[owner_ticks, index_ticks]) }
         })
         .collect()
 }
@@ -289,7 +292,7 @@ fn detail_tables<'q>(details: &'q Query<Coefficient>) -> Vec<Table<DetailRows<'q
             let (addresses, address_ticks) = ContiguousRef::split(addresses);
             let (owners, owner_ticks) = ContiguousRef::split(owners);
             let rows = DetailRows { owners, levels, addresses, values };
-            Table { rows, news: news(rows.len(), &value_ticks, &[level_ticks, address_ticks, owner_ticks]) }
+            Table { rows, news: news(rows.count(), &value_ticks, &[level_ticks, address_ticks, owner_ticks]) }
         })
         .collect()
 }
