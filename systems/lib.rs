@@ -5,6 +5,7 @@
 //! | [`schedule`] | the sets: phases of a pass, stages of a method |
 //! | [`enroll`], [`gather`], [`check`] | what every surface goes through first |
 //! | [`subdivision`] | the stages of subdivision surfaces |
+//! | [`triangulate`], [`audit`] | triangles out, and measured anew |
 //! | [`target`] | what a surface is fitted to |
 //! | [`diagnostics`] | what each stage did, and how long it took |
 //! | [`parallel`] | work on many items at once, with the same bits |
