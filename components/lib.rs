@@ -10,8 +10,10 @@
 //! | [`job`], [`target`] | work that takes many passes, where it stands, and what a surface is fitted to |
 //! | [`tolerance`], [`budget`] | how exact, and at what cost |
 //! | [`error`], [`report`], [`triangles`] | what comes out |
+//! | [`triangulation`], [`audit`] | triangles asked for, and measured by someone else |
 //! | [`guard`] | calls of user code, kept from doing harm |
 
+pub mod audit;
 pub mod budget;
 pub mod curve;
 pub mod error;
@@ -25,3 +27,4 @@ pub mod subdivision;
 pub mod target;
 pub mod tolerance;
 pub mod triangles;
+pub mod triangulation;

@@ -4,12 +4,13 @@ use bevy_ecs::prelude::Component;
 use glam::DVec3;
 
 use crate::evaluate::SurfacePoint;
+use crate::mesh::FaceId;
 
 /// A triangle mesh whose vertices lie on a limit surface. Written by the triangulate stage;
 /// replaced whole.
 ///
 /// Always true: `triangles` name vertices in range, counter-clockwise seen from outside; each of
-/// the other arrays is empty (not asked for) or has one entry per position.
+/// the other arrays is empty (not asked for) or has one entry per position, `faces` one per triangle.
 #[derive(Component, Clone, Debug, Default, PartialEq)]
 pub struct Triangles {
     /// Vertex positions, in model units.
@@ -22,4 +23,6 @@ pub struct Triangles {
     pub colours: Vec<[f32; 3]>,
     /// Three vertices each.
     pub triangles: Vec<[u32; 3]>,
+    /// The root face that each triangle lies on.
+    pub faces: Vec<FaceId>,
 }

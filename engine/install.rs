@@ -4,6 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings};
 use selvedge_components::budget::Budgets;
 use selvedge_components::identity::Serials;
+use selvedge_systems::audit::audit_surfaces;
 use selvedge_systems::check::{check_curves, check_surfaces};
 use selvedge_systems::diagnostics::{GroundDiagnostics, SubdivisionDiagnostics};
 use selvedge_systems::enroll::enroll;
@@ -11,6 +12,7 @@ use selvedge_systems::gather::gather_surfaces;
 use selvedge_systems::schedule::{SelvedgeSystems, SubdivisionStage};
 use selvedge_systems::subdivision::job::{admit_fits, advance_fits};
 use selvedge_systems::subdivision::{correspond_fits, modify_fits, refine_fits};
+use selvedge_systems::triangulate::triangulate_surfaces;
 
 /// Puts the engine into `schedule`, once.
 ///
@@ -42,6 +44,9 @@ pub fn install(world: &mut World, schedule: &mut Schedule) {
     schedule.configure_sets((Gather, Check, Solve, Triangulate, Audit, Finish).chain());
     schedule.add_systems((enroll, gather_surfaces).chain().in_set(Gather));
     schedule.add_systems((check_curves, check_surfaces).chain().in_set(Check));
+
+    schedule.add_systems(triangulate_surfaces.in_set(Triangulate));
+    schedule.add_systems(audit_surfaces.in_set(Audit));
 
     use SubdivisionStage::{Admit, Advance, Correspond, Modify, Refine, Relax, Remesh};
     schedule.configure_sets((Admit, Remesh, Relax, Correspond, Modify, Refine).chain().in_set(Solve));

@@ -46,6 +46,7 @@ pub use bevy_ecs;
 pub use glam::{self, DVec3};
 pub use selvedge_components::target::{Projection, Target};
 pub use selvedge_components::{
-    budget, curve, error, evaluate, guard, identity, job, mesh, report, subdivision, target, tolerance, triangles,
+    audit, budget, curve, error, evaluate, guard, identity, job, mesh, report, subdivision, target, tolerance,
+    triangles, triangulation,
 };
 pub use selvedge_systems::{diagnostics, schedule};

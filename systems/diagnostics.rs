@@ -65,6 +65,10 @@ pub struct GroundDiagnostics {
     pub gather: Counters,
     /// Surfaces and curves checked.
     pub check: Counters,
+    /// Surfaces triangulated.
+    pub triangulate: Counters,
+    /// Triangles audited.
+    pub audit: Counters,
 }
 
 /// Counters of the stages of subdivision surfaces.

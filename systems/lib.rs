@@ -6,6 +6,7 @@
 //! | [`enroll`], [`gather`], [`check`] | what every surface goes through first |
 //! | [`subdivision`] | the stages of subdivision surfaces |
 //! | [`spatial`], [`closest`] | what is near; closest points of surfaces |
+//! | [`triangulate`], [`audit`] | triangles out, and measured anew |
 //! | [`target`] | what a surface is fitted to |
 //! | [`diagnostics`] | what each stage did, and how long it took |
 //! | [`parallel`] | work on many items at once, with the same bits |

@@ -6,46 +6,21 @@ use selvedge_components::mesh::{Connectivity, HalfedgeId, VertexId};
 use selvedge_components::triangles::Triangles;
 
 use super::domain::Place;
-use super::{Audit, AuditFault};
+use super::{Audit, AuditFault, Measured};
 use crate::parallel::map_in_order;
 use crate::triangulate::{squared_to_segment, squared_to_triangle};
 
-/// The greatest distances found.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measured {
-    /// From a point of the limit surface to the triangle that stands for it.
-    pub to_triangles: f64,
-    /// Where.
-    pub to_triangles_at: DVec3,
-    /// From a point of a triangle to the limit surface.
-    pub to_surface: f64,
-    /// Where.
-    pub to_surface_at: DVec3,
-    /// Points measured, both ways together.
-    pub samples: usize,
-}
-
-impl Measured {
-    /// The greater of both.
-    pub fn greatest(&self) -> (f64, DVec3) {
-        if self.to_surface > self.to_triangles {
-            (self.to_surface, self.to_surface_at)
-        } else {
-            (self.to_triangles, self.to_triangles_at)
-        }
+/// The greater of both, each way.
+fn or(a: Measured, b: Measured) -> Measured {
+    let mut all = Measured { samples: a.samples + b.samples, ..a };
+    // A distance that is no number counts as far.
+    if b.to_triangles > all.to_triangles || b.to_triangles.is_nan() {
+        (all.to_triangles, all.to_triangles_at) = (b.to_triangles, b.to_triangles_at);
     }
-
-    fn or(self, other: Self) -> Self {
-        let mut all = Self { samples: self.samples + other.samples, ..self };
-        // Written so that a distance that is no number counts as far.
-        if other.to_triangles > all.to_triangles || other.to_triangles.is_nan() {
-            (all.to_triangles, all.to_triangles_at) = (other.to_triangles, other.to_triangles_at);
-        }
-        if other.to_surface > all.to_surface || other.to_surface.is_nan() {
-            (all.to_surface, all.to_surface_at) = (other.to_surface, other.to_surface_at);
-        }
-        all
+    if b.to_surface > all.to_surface || b.to_surface.is_nan() {
+        (all.to_surface, all.to_surface_at) = (b.to_surface, b.to_surface_at);
     }
+    all
 }
 
 /// Measures every triangle.
@@ -69,7 +44,7 @@ pub fn measure(
             }
         }
     }
-    each.into_iter().fold(Measured::default(), Measured::or)
+    each.into_iter().fold(Measured::default(), or)
 }
 
 /// One triangle beside the surface.
@@ -89,11 +64,11 @@ impl Probe<'_> {
         let mut places = Places::new(against.seed, self.triangle as u64);
         let mut all = Measured::default();
         for _ in 0..against.points {
-            all = all.or(self.inside(against, places.inside()));
+            all = or(all, self.inside(against, places.inside()));
         }
         for edge in 0..3 {
             for _ in 0..against.points.div_ceil(4) {
-                all = all.or(self.on_edge(against, edge, places.along()));
+                all = or(all, self.on_edge(against, edge, places.along()));
             }
         }
         all

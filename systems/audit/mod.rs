@@ -2,7 +2,7 @@
 //!
 //! | reads | writes | after | before |
 //! | --- | --- | --- | --- |
-//! | `Triangles`, the surface they stand for | [`AuditReport`] | triangulate | |
+//! | `Triangles`, `Snapshot`, [`AuditOptions`] | [`AuditReport`] | `Triangulate` | `Finish` |
 //!
 //! Nothing here knows how the triangles were made. The mesh is judged by its indices, its borders by
 //! the curves themselves, its coverage by areas in the domain, and its distance to the limit surface
@@ -10,18 +10,22 @@
 
 mod border;
 mod domain;
-mod error;
 mod measure;
+mod system;
+
+use std::sync::Arc;
 
 use selvedge_components::evaluate::Evaluate;
 use selvedge_components::mesh::{Connectivity, VertexId, position_faults};
 use selvedge_components::subdivision::LoopSurface;
 use selvedge_components::triangles::Triangles;
 
-pub use error::AuditFault;
-pub use measure::Measured;
+pub use selvedge_components::audit::{AuditFault, AuditOptions, AuditReport, Measured};
 
-use crate::triangulate::shape;
+pub use system::audit_surfaces;
+
+use crate::subdivision::limit::LimitSurface;
+use crate::triangulate::{Density, TriangulateOptions, shape};
 
 /// What triangles are audited against.
 #[derive(Clone, Copy)]
@@ -65,30 +69,30 @@ impl<'a> Audit<'a> {
     }
 }
 
-/// What an audit found.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct AuditReport {
-    /// How many vertices there are.
-    pub vertices: usize,
-    /// How many triangles there are.
-    pub triangles: usize,
-    /// Vertices of each border loop.
-    pub border_loops: Vec<usize>,
-    /// Vertices - edges + triangles.
-    pub euler: i64,
-    /// The least `2 area / longest^2`.
-    pub worst_shape: f64,
-    /// The greatest distances, where they were measured.
-    pub measured: Option<Measured>,
-    /// Everything that is wrong.
-    pub faults: Vec<AuditFault>,
-}
-
-impl AuditReport {
-    /// Is nothing wrong?
-    pub fn is_sound(&self) -> bool {
-        self.faults.is_empty()
+/// Audits the triangles that `made` asked for of `surface`, against its limit evaluated anew.
+pub fn audit_result(
+    triangles: &Triangles,
+    surface: &Arc<LoopSurface>,
+    made: &TriangulateOptions,
+    options: &AuditOptions,
+) -> AuditReport {
+    let plain = Audit { points: options.points, seed: options.seed, ..Audit::of(surface) };
+    if options.points == 0 {
+        return audit(triangles, &plain);
     }
+    let limit = match LimitSurface::new(Arc::clone(surface)) {
+        Ok(limit) => limit,
+        Err(why) => {
+            let mut report = audit(triangles, &plain);
+            report.faults.push(AuditFault::Unmeasured { why: why.to_string() });
+            return report;
+        }
+    };
+    let chord = match made.density {
+        Density::Chord(chord) => Some(chord),
+        Density::Level(_) => None,
+    };
+    audit(triangles, &Audit { limit: Some(&limit), chord, ..plain })
 }
 
 /// Audits `triangles`, which must have [`Triangles::origins`].

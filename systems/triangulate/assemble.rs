@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use selvedge_components::evaluate::SurfacePoint;
-use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId};
+use selvedge_components::mesh::{Connectivity, HalfedgeId};
 use selvedge_components::subdivision::{Address, FINEST_LEVEL, FaceCode, NONE};
 use selvedge_components::triangles::Triangles;
 
@@ -18,8 +18,6 @@ pub struct Assembly {
     /// The levels under the leaves.
     pub pyramid: Pyramid,
     triangles: Triangles,
-    /// The root face of each triangle.
-    faces: Vec<FaceId>,
     /// By level and place of a leaf: its first triangle, and the one after its last.
     spans: Vec<Vec<[u32; 2]>>,
 }
@@ -43,7 +41,7 @@ pub fn assemble(subject: &Subject, forest: &Forest, normals: Normals) -> Result<
     };
     let origins = addresses.iter().map(|&a| origin(&subject.surface.mesh, a)).collect();
     let triangles = Triangles { positions, normals, origins, ..Triangles::default() };
-    let mut assembly = Assembly { pyramid, triangles, faces: Vec::new(), spans: Vec::new() };
+    let mut assembly = Assembly { pyramid, triangles, spans: Vec::new() };
     assembly.cut_leaves(forest, &names);
     Ok(assembly)
 }
@@ -86,7 +84,7 @@ impl Assembly {
             worst_shape: shapes.fold(f64::INFINITY, f64::min),
             chord: None,
         };
-        Triangulation { triangles: self.triangles, faces: self.faces, report }
+        Triangulation { triangles: self.triangles, report }
     }
 
     /// Cuts every leaf into its triangles, in the order of root faces and paths.
@@ -102,7 +100,7 @@ impl Assembly {
             self.spans.push(vec![[0; 2]; floor.faces.len()]);
         }
         leaves.sort_unstable();
-        let Triangles { positions, triangles, .. } = &mut self.triangles;
+        let Triangles { positions, triangles, faces, .. } = &mut self.triangles;
         for (code, l, place) in leaves {
             let (l, place) = (l as usize, place as usize);
             let floor = &self.pyramid.floors[l];
@@ -117,7 +115,7 @@ impl Assembly {
             let begin = triangles.len() as u32;
             closure::close(corners, halves, |v| positions[v as usize], |t| triangles.push(t));
             self.spans[l][place] = [begin, triangles.len() as u32];
-            self.faces.resize(triangles.len(), code.root_face(finest - 1));
+            faces.resize(triangles.len(), code.root_face(finest - 1));
         }
     }
 }

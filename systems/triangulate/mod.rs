@@ -2,7 +2,7 @@
 //!
 //! | reads | writes | after | before |
 //! | --- | --- | --- | --- |
-//! | a surface with its details, `Tolerance` | [`Triangles`] and a [`TriangulationReport`] | refine | audit |
+//! | `Snapshot`, [`TriangulateOptions`], `Tolerance` | [`Triangles`] and [`TriangulationReport`], or [`TriangulationFailed`] | `Solve` | `Audit` |
 //!
 //! The triangles come from a forest: each root face is quartered, and its quarters again, until a
 //! leaf lies close enough to the limit surface ([`Density::Chord`]) or is of the level asked for
@@ -25,153 +25,33 @@ mod measure;
 mod pyramid;
 mod reach;
 mod sample;
+mod system;
 
 use std::sync::Arc;
 
-use glam::DVec3;
-use selvedge_components::mesh::FaceId;
+use selvedge_components::budget::Budgets;
 use selvedge_components::subdivision::{CornerTable, FaceCode, LoopSurface};
+use selvedge_components::tolerance::Tolerance;
 use selvedge_components::triangles::Triangles;
-use thiserror::Error;
+pub use selvedge_components::triangulation::{
+    ChordReport, Density, Normals, TriangulateError, TriangulateOptions, TriangulationFailed, TriangulationReport,
+};
 
 use forest::Forest;
+pub use system::triangulate_surfaces;
+
 pub(crate) use measure::{shape, squared_to_segment, squared_to_triangle};
 use reach::Reach;
 
 use crate::subdivision::limit::{LimitError, LimitSurface};
-
-/// How a surface is triangulated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TriangulateOptions {
-    /// How fine.
-    pub density: Density,
-    /// The finest level of leaves when the density is a chord; or the finest that addresses allow, if
-    /// that is coarser.
-    pub last_level: u32,
-    /// The most triangles that may come out.
-    pub most_triangles: usize,
-    /// Whether vertices get the normals of the limit surface.
-    pub normals: Normals,
-}
-
-impl Default for TriangulateOptions {
-    /// Level 3, with normals.
-    fn default() -> Self {
-        Self { density: Density::Level(3), last_level: 16, most_triangles: 16_000_000, normals: Normals::OfLimit }
-    }
-}
-
-/// How fine a triangulation is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Density {
-    /// Every root face is quartered this many times.
-    Level(u32),
-    /// Every root face is quartered where it takes that to keep this distance, in model units,
-    /// between the triangles and the limit surface.
-    Chord(f64),
-}
-
-/// Whether vertices get normals.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Normals {
-    /// Unit normals of the limit surface.
-    OfLimit,
-    /// None.
-    Without,
-}
 
 /// A triangulated surface.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Triangulation {
     /// The vertices and triangles.
     pub triangles: Triangles,
-    /// The root face that each triangle lies on.
-    pub faces: Vec<FaceId>,
     /// What came out.
     pub report: TriangulationReport,
-}
-
-/// What a triangulation has come to.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct TriangulationReport {
-    /// Leaves of each level; those of the coarsest first.
-    pub leaves: Vec<usize>,
-    /// The least `2 area / longest^2` over all triangles: 0.866 is equilateral, 0 degenerate.
-    pub worst_shape: f64,
-    /// The chord, where one was asked for.
-    pub chord: Option<ChordReport>,
-}
-
-/// How far the triangles stand off the limit surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ChordReport {
-    /// What was asked for, in model units.
-    pub asked: f64,
-    /// The greatest distance found between the finished triangles and points of the limit surface,
-    /// other ones than those that decided where to refine.
-    pub achieved: f64,
-    /// The point of the limit surface where it was found.
-    pub at: DVec3,
-    /// How many points were measured.
-    pub samples: usize,
-    /// Leaves of the last level that stand off further than asked; 0 unless `achieved > asked`.
-    pub failing: usize,
-}
-
-impl ChordReport {
-    /// Is the distance that was asked for kept everywhere?
-    pub fn kept(&self) -> bool {
-        self.failing == 0
-    }
-}
-
-/// Why a surface was not triangulated.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum TriangulateError {
-    /// The chord is not a positive number.
-    #[error("the chord {chord} is not a positive distance")]
-    BadChord {
-        /// What was asked for.
-        chord: f64,
-    },
-    /// The chord is below what the coordinates can hold.
-    #[error("the chord {chord} is below {least}, the rounding of coordinates of this size")]
-    ChordBelowRounding {
-        /// What was asked for.
-        chord: f64,
-        /// The least that can be asked for.
-        least: f64,
-    },
-    /// The level is finer than faces of this mesh can be addressed.
-    #[error("level {level} is finer than the finest that {faces} root faces allow, {finest}")]
-    TooFine {
-        /// What was asked for.
-        level: u32,
-        /// Root faces.
-        faces: usize,
-        /// The finest possible.
-        finest: u32,
-    },
-    /// The surface cannot be evaluated.
-    #[error(transparent)]
-    Limit(#[from] LimitError),
-    /// A point of the limit surface is NaN or infinite: a curve or a detail is.
-    #[error("the limit surface is not finite on {face}: {at}")]
-    LimitNotFinite {
-        /// The root face.
-        face: FaceId,
-        /// The point.
-        at: DVec3,
-    },
-    /// There would be more triangles than allowed.
-    #[error("there would be {triangles} triangles or more, and {limit} are allowed")]
-    TooManyTriangles {
-        /// How many there would be at least.
-        triangles: usize,
-        /// How many there may be.
-        limit: usize,
-    },
 }
 
 /// Triangulates the limit surface of `surface`, details and all.
@@ -200,6 +80,16 @@ pub fn triangulate(surface: &LoopSurface, options: &TriangulateOptions) -> Resul
     }
 }
 
+/// The options as a surface with this tolerance, in a world with these budgets, means them.
+pub fn effective(options: &TriangulateOptions, tolerance: Option<&Tolerance>, budgets: &Budgets) -> TriangulateOptions {
+    let most = usize::try_from(budgets.triangles).unwrap_or(usize::MAX);
+    TriangulateOptions {
+        density: tolerance.map_or(options.density, |tolerance| Density::Chord(tolerance.chord)),
+        most_triangles: options.most_triangles.min(most),
+        ..*options
+    }
+}
+
 /// A surface and what every pass over it reads.
 struct Subject<'a> {
     surface: &'a LoopSurface,
@@ -209,14 +99,22 @@ struct Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    fn new(surface: &'a LoopSurface) -> Result<Self, LimitError> {
+    fn new(surface: &'a LoopSurface) -> Result<Self, TriangulateError> {
         Ok(Self {
             // A copy of the control points and details: little beside the triangles they make.
-            limit: LimitSurface::new(Arc::new(surface.clone()))?,
+            limit: LimitSurface::new(Arc::new(surface.clone())).map_err(unreadable)?,
             corners: CornerTable::new(surface),
             reach: Reach::new(&surface.mesh, &surface.details),
             surface,
         })
+    }
+}
+
+fn unreadable(why: LimitError) -> TriangulateError {
+    match why {
+        LimitError::PointCount { points, vertices } => TriangulateError::PointCount { points, vertices },
+        LimitError::NotFinite { vertex, at } => TriangulateError::PointNotFinite { vertex, at },
+        LimitError::TooFine { level, faces, finest } => TriangulateError::TooFine { level, faces, finest },
     }
 }
 

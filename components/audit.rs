@@ -1,8 +1,81 @@
-//! What can be wrong with triangles.
+//! Triangles measured by someone else than who made them: what was asked, what was found.
 
+use bevy_ecs::prelude::Component;
 use glam::DVec3;
-use selvedge_components::mesh::{FaceId, Fault, VertexId};
 use thiserror::Error;
+
+use crate::mesh::{FaceId, Fault, VertexId};
+
+/// How triangles are audited. On a surface that bears
+/// [`Triangles`](crate::triangles::Triangles) it asks for an [`AuditReport`].
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AuditOptions {
+    /// Random places inside each triangle at which distances are measured; each edge gets a quarter as
+    /// many. With none, no distance is measured.
+    pub points: u32,
+    /// Chooses the places.
+    pub seed: u64,
+}
+
+impl Default for AuditOptions {
+    /// 45 points: three times as many as decide where a triangle is quartered.
+    fn default() -> Self {
+        Self { points: 45, seed: 0 }
+    }
+}
+
+/// What an audit found. Written by the audit stage on a surface with [`AuditOptions`]; replaced whole
+/// whenever the triangles are.
+#[derive(Component, Clone, Debug, Default, PartialEq)]
+pub struct AuditReport {
+    /// How many vertices there are.
+    pub vertices: usize,
+    /// How many triangles there are.
+    pub triangles: usize,
+    /// Vertices of each border loop.
+    pub border_loops: Vec<usize>,
+    /// Vertices - edges + triangles.
+    pub euler: i64,
+    /// The least `2 area / longest^2`.
+    pub worst_shape: f64,
+    /// The greatest distances, where they were measured.
+    pub measured: Option<Measured>,
+    /// Everything that is wrong.
+    pub faults: Vec<AuditFault>,
+}
+
+impl AuditReport {
+    /// Is nothing wrong?
+    pub fn is_sound(&self) -> bool {
+        self.faults.is_empty()
+    }
+}
+
+/// The greatest distances found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// From a point of the limit surface to the triangle that stands for it.
+    pub to_triangles: f64,
+    /// Where.
+    pub to_triangles_at: DVec3,
+    /// From a point of a triangle to the limit surface.
+    pub to_surface: f64,
+    /// Where.
+    pub to_surface_at: DVec3,
+    /// Points measured, both ways together.
+    pub samples: usize,
+}
+
+impl Measured {
+    /// The greater of both.
+    pub fn greatest(&self) -> (f64, DVec3) {
+        if self.to_surface > self.to_triangles {
+            (self.to_surface, self.to_surface_at)
+        } else {
+            (self.to_triangles, self.to_triangles_at)
+        }
+    }
+}
 
 /// One thing that is wrong with triangles, and where.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -20,6 +93,12 @@ pub enum AuditFault {
         given: usize,
         /// How many vertices there are.
         expected: usize,
+    },
+    /// No distance could be measured.
+    #[error("the limit surface cannot be evaluated: {why}")]
+    Unmeasured {
+        /// What its evaluation said.
+        why: String,
     },
     /// Vertices, edges and faces do not add up as on the root mesh.
     #[error("the Euler number is {found}, that of the root mesh {expected}")]
