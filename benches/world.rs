@@ -1,7 +1,6 @@
 //! A million control points as entities: spawned, gathered, left alone, edited.
 //!
 //! One thread and one processor matter here: everything but the check of the numbers is memory.
-#![expect(missing_docs, reason = "the macros of criterion write functions without docs")]
 
 use std::hint::black_box;
 use std::sync::Arc;

@@ -20,7 +20,8 @@ impl Descent {
     #[inline]
     pub fn new(s: f64, t: f64) -> Self {
         // `max` prefers the number.
-        let (s, t) = (s.max(0.0).min(1.0), t.max(0.0).min(1.0));
+        let inside = |x: f64| if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
+        let (s, t) = (inside(s), inside(t));
         let sum = s + t;
         if sum > 1.0 {
             return Self::from([0.0, s / sum, t / sum]);
