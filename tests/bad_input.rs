@@ -34,12 +34,20 @@ fn refused(name: &str) -> Vec<PlacedFault> {
     }
 }
 
+/// The strip is one component, named by its first face; at which edge the walk round it clashes
+/// depends on how its squares are cut, so that edge is looked up in the file.
 #[test]
 fn a_moebius_strip_is_not_orientable() {
     let faults = refused("refuse/moebius.obj");
-    let ends = [VertexId(53), VertexId(54)];
-    let fault = Fault::NonOrientable { face: FaceId(0), ends };
-    assert_eq!(faults, [PlacedFault { fault, place: Some(Place::Line(284)) }]);
+    let [PlacedFault { fault: Fault::NonOrientable { face: FaceId(0), ends }, place: Some(Place::Line(284)) }] =
+        faults[..]
+    else {
+        panic!("{faults:?}")
+    };
+    let text = fs::read_to_string(data("refuse/moebius.obj")).unwrap();
+    let faces = text.lines().filter_map(|line| line.strip_prefix("f "));
+    let names = |face: &str, v: VertexId| face.split_whitespace().any(|word| word == (v.0 + 1).to_string());
+    assert!(faces.into_iter().any(|face| ends.iter().all(|&v| names(face, v))), "{ends:?}");
 }
 
 #[test]
