@@ -1,6 +1,7 @@
 //! You will see a control cage from a file become its limit surface, within a chord of a thousandth of
 //! its size, with what the file format costs; GLB, OBJ and a picture go to `out/`. Takes a path to an
 //! OBJ or GLB file (Spot without one); `--json` prints the figures.
+#![expect(clippy::print_stdout, reason = "an example talks to its user")]
 
 use std::error::Error;
 use std::fs;

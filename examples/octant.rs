@@ -1,6 +1,7 @@
 //! You will see an octant of a sphere fitted level by level: its error ladders by two rules on two
 //! meshes, down to rounding around the irregular vertex; pictures of the cage, the limit surface, the
 //! fit and its six error maps in `out/`. `--json` prints the ladders, `--f32` stores single precision.
+#![expect(clippy::print_stdout, reason = "an example talks to its user")]
 
 use std::error::Error;
 

@@ -8,7 +8,7 @@
 //!
 //! Prints `name value unit` lines: `NAME` is the median of wall seconds, `NAME.cpu` that of processor
 //! seconds on one thread, `NAME.rate` is per processor second.
-#![allow(clippy::print_stdout, reason = "its output is what it is for")]
+#![expect(clippy::print_stdout, reason = "its output is what it is for")]
 
 #[cfg(unix)]
 fn main() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {

@@ -1,5 +1,6 @@
 //! You will see every stencil of the scheme for valences 3 to 12, and what boundary details do to a
 //! plate; the pictures go to `out/`. `--json` prints the weights.
+#![expect(clippy::print_stdout, reason = "an example talks to its user")]
 
 use std::error::Error;
 

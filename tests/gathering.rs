@@ -231,7 +231,8 @@ fn details_that_come_go_and_move_are_noticed() {
     schedule.run(&mut world);
     let details: Vec<_> = world.query_filtered::<Entity, With<Detail>>().iter(&world).collect();
     let mut last = snapshot(&world, surface).revision;
-    let mut changes: Vec<Box<dyn FnMut(&mut World)>> = vec![
+    type Change = Box<dyn FnMut(&mut World)>;
+    let mut changes: Vec<Change> = vec![
         Box::new(|world| assert!(world.despawn(details[0]))),
         Box::new(|world| {
             world.entity_mut(details[1]).remove::<DetailOf>();

@@ -11,6 +11,9 @@ use selvedge_components::subdivision::{CornerTable, Details, LimitRows, LoopSurf
 use selvedge_systems::subdivision::{chain, quasi};
 use serde::Serialize;
 
+/// Where a weight stands, and the weight.
+pub type Weight = (&'static str, f64);
+
 /// One stencil.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StencilRow {
@@ -22,7 +25,7 @@ pub struct StencilRow {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub valence: Option<u32>,
     /// Where each weight stands: `centre`, `ring`, or a place of its own.
-    pub weights: Vec<(&'static str, f64)>,
+    pub weights: Vec<Weight>,
 }
 
 /// All valences that the figures show.
@@ -77,7 +80,7 @@ fn without_valence() -> Vec<StencilRow> {
 }
 
 /// The vertex and the limit rule at the hub of a wheel of `k` triangles, as the scheme applies them.
-fn interior(k: u32) -> Result<[Vec<(&'static str, f64)>; 2], Vec<Fault>> {
+fn interior(k: u32) -> Result<[Vec<Weight>; 2], Vec<Fault>> {
     let spokes: Vec<[u32; 3]> = (0..k).map(|i| [0, 1 + i, 1 + (i + 1) % k]).collect();
     let mesh = Connectivity::new(k as usize + 1, &spokes)?;
     let points = vec![DVec3::ZERO; k as usize + 1];

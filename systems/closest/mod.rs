@@ -69,7 +69,7 @@ pub enum ClosestError {
         /// The point asked for.
         point: DVec3,
         /// The closest place and the one farthest from it among those that are about as close.
-        places: [Closest; 2],
+        places: Box<[Closest; 2]>,
     },
 }
 
@@ -164,7 +164,7 @@ impl<S: Walk> SurfaceIndex<S> {
         let found = self.rest_within(point, reach * reach, best);
         let apart = |c: &Closest| c.position.distance_squared(best.position);
         match found.into_iter().reduce(|a, b| if apart(&b) > apart(&a) { b } else { a }) {
-            Some(other) => Err(ClosestError::Ambiguous { point, places: [best, other] }),
+            Some(other) => Err(ClosestError::Ambiguous { point, places: Box::new([best, other]) }),
             None => Ok(best),
         }
     }

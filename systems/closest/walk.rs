@@ -52,8 +52,8 @@ const MOST_CROSSINGS: usize = 32;
 
 impl Spot {
     pub fn new(at: SurfacePoint) -> Self {
-        // `max` prefers the number.
-        let (s, t) = (at.st.x.max(0.0).min(1.0), at.st.y.max(0.0).min(1.0));
+        let inside = |x: f64| if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
+        let (s, t) = (inside(at.st.x), inside(at.st.y));
         let sum = s + t;
         let weights = if sum > 1.0 { [0.0, s / sum, t / sum] } else { [1.0 - s - t, s, t] };
         Self { face: at.face, weights }

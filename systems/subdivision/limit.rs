@@ -164,7 +164,9 @@ impl LimitSurface {
     }
 }
 
-/// What evaluates a place.
+/// What evaluates a place. It lives for one evaluation on the stack: a box would cost more than the
+/// copy.
+#[expect(clippy::large_enum_variant, reason = "made and used once, on the stack")]
 enum Found<'a> {
     Quartic(Quartic),
     Patch(Patch<'a>),

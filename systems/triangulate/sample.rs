@@ -90,6 +90,7 @@ struct Leaf<'a> {
 }
 
 /// What evaluates a leaf.
+#[expect(clippy::large_enum_variant, reason = "one is made per face, on the stack")]
 enum Surface<'a> {
     /// One polynomial.
     Quartic(Quartic),

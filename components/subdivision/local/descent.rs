@@ -19,7 +19,6 @@ impl Descent {
     /// number becomes 0.
     #[inline]
     pub fn new(s: f64, t: f64) -> Self {
-        // `max` prefers the number.
         let inside = |x: f64| if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
         let (s, t) = (inside(s), inside(t));
         let sum = s + t;
