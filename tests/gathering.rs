@@ -231,8 +231,8 @@ fn details_that_come_go_and_move_are_noticed() {
     schedule.run(&mut world);
     let details: Vec<_> = world.query_filtered::<Entity, With<Detail>>().iter(&world).collect();
     let mut last = snapshot(&world, surface).revision;
-    type Change = Box<dyn FnMut(&mut World)>;
-    let mut changes: Vec<Change> = vec![
+    type Change<'a> = Box<dyn FnMut(&mut World) + 'a>;
+    let mut changes: Vec<Change<'_>> = vec![
         Box::new(|world| assert!(world.despawn(details[0]))),
         Box::new(|world| {
             world.entity_mut(details[1]).remove::<DetailOf>();
