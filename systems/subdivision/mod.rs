@@ -7,3 +7,5 @@ pub mod modify;
 pub mod quasi;
 pub mod refine;
 pub mod region;
+pub mod relax;
+pub mod remesh;

@@ -1,0 +1,290 @@
+//! # Remesh: a cage that ends at the curves
+//!
+//! | reads | writes | after | before |
+//! | --- | --- | --- | --- |
+//! | the source, details and all; directed curves | the new cage, or what stands against it | check | relax |
+//!
+//! Stages, each a kernel of its own: [`preimage`] finds where the curves run, [`adapt`] makes the cage
+//! fine enough there, [`closure`] makes it conforming, [`remove`] takes away what lies on the right,
+//! [`attach`] lays a strip of triangles between the rest and each curve, [`relax`](super::relax)
+//! spaces its vertices, [`cleanup`] mends valences, and [`assemble`] makes a surface of it.
+//! [Litke et al. 2001, Section 3.1]
+//!
+//! Everything is measured in space, on the limit surface, but only over connected ground; so cages
+//! of any shape will do. Where two boundaries come too near to each other for the cage, the curves
+//! that need it are taken a level finer and the whole is done again.
+
+pub mod adapt;
+pub mod assemble;
+pub mod attach;
+pub mod cleanup;
+pub mod closure;
+pub mod error;
+pub mod field;
+pub mod leaves;
+pub mod path;
+pub mod preimage;
+pub mod remove;
+pub mod track;
+
+#[cfg(test)]
+mod tests;
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use glam::DVec3;
+use selvedge_components::curve::Curve;
+use selvedge_components::mesh::Connectivity;
+use selvedge_components::subdivision::{CornerTable, Heading, LoopSurface};
+
+pub use adapt::AdaptOptions;
+pub use assemble::{FaceOrigin, Remeshed, VertexOrigin};
+pub use error::{PreImageError, RemeshError};
+pub use preimage::{PathPoint, PreImage, TraceOptions, trace};
+pub use remove::Fate;
+
+use super::relax::{self, RelaxOptions, Relaxed, Slider};
+use closure::{Adapted, Part};
+use leaves::Leaves;
+use remove::{Cage, Remains, Trouble};
+use track::{Near, Track};
+
+/// One directed curve that cuts: what lies on its left stays.
+#[derive(Clone, Debug)]
+pub struct Cut {
+    /// The curve.
+    pub curve: Arc<dyn Curve>,
+    /// Which way it is walked.
+    pub heading: Heading,
+}
+
+/// How a cage is remeshed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RemeshOptions {
+    /// How fine the cage becomes.
+    pub adapt: AdaptOptions,
+    /// The part of its size that a triangle's corner must be away from a curve to stay: the room
+    /// for the strip.
+    pub margin: f64,
+    /// How the strip settles.
+    pub relax: RelaxOptions,
+    /// The farthest from the curves that a vertex may change, in model units. The whole cage is
+    /// refined first as often as that takes.
+    pub reach: Option<f64>,
+    /// How often the cage is made finer where boundaries come too near to each other.
+    pub tries: u32,
+}
+
+impl Default for RemeshOptions {
+    fn default() -> Self {
+        Self {
+            adapt: AdaptOptions::default(),
+            margin: 0.3,
+            relax: RelaxOptions::default(),
+            reach: None,
+            tries: 5,
+        }
+    }
+}
+
+/// Cuts `surface` along closed curves, whose pre-images on it are given in the order of the curves.
+///
+/// # Errors
+/// When there is no curve, a curve is open, the curves do not separate what stays from what goes,
+/// nothing stays, or boundaries come too near to each other; see [`RemeshError`].
+pub fn remesh(
+    surface: &LoopSurface,
+    cuts: &[Cut],
+    preimages: &[PreImage],
+    options: &RemeshOptions,
+) -> Result<Remeshed, RemeshError> {
+    check(cuts, preimages)?;
+    let corners = CornerTable::new(surface);
+    let track = Track::new(&surface.mesh, cuts, preimages)
+        .map_err(|(curve, source)| RemeshError::PreImage { curve, source })?;
+    let mut options = *options;
+    let deepest = options.adapt.finest;
+    loop {
+        let remeshed = refine_until_sound(surface, &corners, cuts, &track, &options)?;
+        let Some(reach) = options.reach else { return Ok(remeshed) };
+        let (distance, at) = remeshed.reach(&track);
+        if distance <= reach {
+            return Ok(remeshed);
+        }
+        if options.adapt.base == deepest {
+            return Err(RemeshError::OutOfReach { distance, at, reach });
+        }
+        // Each level of the whole cage halves the reach.
+        options.adapt.base += 1;
+        let faces = surface.mesh.face_count() as u64;
+        if faces << (2 * options.adapt.base) > MOST_FACES {
+            return Err(RemeshError::OutOfReach { distance, at, reach });
+        }
+    }
+}
+
+/// The largest cage that a small reach may lead to.
+const MOST_FACES: u64 = 1 << 22;
+
+fn check(cuts: &[Cut], preimages: &[PreImage]) -> Result<(), RemeshError> {
+    if cuts.is_empty() || preimages.len() != cuts.len() {
+        return Err(RemeshError::NoCurves);
+    }
+    for (curve, cut) in cuts.iter().enumerate() {
+        if !cut.curve.closed() {
+            let gap = cut.curve.position(0.0).distance(cut.curve.position(1.0));
+            return Err(RemeshError::Open { curve, gap });
+        }
+    }
+    Ok(())
+}
+
+fn refine_until_sound(
+    surface: &LoopSurface,
+    corners: &CornerTable,
+    cuts: &[Cut],
+    track: &Track,
+    options: &RemeshOptions,
+) -> Result<Remeshed, RemeshError> {
+    let mut raise = vec![0; cuts.len()];
+    for tried in 0.. {
+        let leaves = adapt::adapt(surface, corners, track, &options.adapt, &raise)?;
+        let trouble = match cut_once(surface, corners, cuts, track, &leaves, options) {
+            Ok(remeshed) => return Ok(remeshed),
+            Err(Trouble::Error(why)) => return Err(why),
+            Err(Trouble::TooCoarse { curves, what, near }) => (curves, what, near),
+        };
+        let (curves, what, near) = trouble;
+        if tried == options.tries {
+            let u = track.parameter(near).abs();
+            let curve = track.points[near.segment as usize].cut as usize;
+            let (at, level) = (track.position(near), leaves.finest());
+            return Err(RemeshError::Unresolved { what, curve, u, at, tries: tried, level });
+        }
+        curves.into_iter().for_each(|c| raise[c as usize] += 1);
+    }
+    Err(RemeshError::NoCurves)
+}
+
+/// One try, with leaves that are given.
+fn cut_once(
+    surface: &LoopSurface,
+    corners: &CornerTable,
+    cuts: &[Cut],
+    track: &Track,
+    leaves: &Leaves,
+    options: &RemeshOptions,
+) -> Result<Remeshed, Trouble> {
+    let adapted = closure::close(surface, corners, leaves).map_err(Trouble::Error)?;
+    let mesh = manifold(adapted.vertices.len(), &adapted.triangles)?;
+    let limit: Vec<DVec3> = adapted.vertices.iter().map(|v| v.limit).collect();
+    let cage = Cage {
+        mesh: &mesh,
+        triangles: &adapted.triangles,
+        limit: &limit,
+        track,
+        curves: cuts.len(),
+        margin: options.margin,
+    };
+    let remains = cage.cut(&crossed(&adapted, track, leaves))?;
+    let mut strips = Vec::with_capacity(cuts.len());
+    for (cut, rim) in remains.loops.iter().enumerate() {
+        let strip = attach::attach(track, cut as u32, rim, |v| (limit[v as usize], cage.normal(v)));
+        strips.push(strip.map_err(|near| Trouble::TooCoarse {
+            curves: vec![cut as u32],
+            what: "too coarse between two corners",
+            near,
+        })?);
+    }
+    let relaxed = strips.iter_mut().zip(cuts).map(|(strip, cut)| settle(strip, cut, &limit, options)).collect();
+    let work = Work { surface, cuts, track, leaves, adapted: &adapted, mesh: &mesh, remains: &remains, strips: &strips };
+    assemble::assemble(&work, relaxed)
+}
+
+/// All that the last stage reads.
+struct Work<'a> {
+    surface: &'a LoopSurface,
+    cuts: &'a [Cut],
+    track: &'a Track,
+    leaves: &'a Leaves,
+    adapted: &'a Adapted,
+    mesh: &'a Connectivity,
+    remains: &'a Remains,
+    strips: &'a [attach::Strip],
+}
+
+fn manifold(vertices: usize, triangles: &[[u32; 3]]) -> Result<Connectivity, Trouble> {
+    Connectivity::new(vertices, triangles).map_err(|faults| Trouble::Error(RemeshError::NotManifold { faults }))
+}
+
+/// The triangles that segments cross, with the segments. Of a leaf in several triangles all count.
+fn crossed(adapted: &Adapted, track: &Track, leaves: &Leaves) -> Vec<(u32, u32)> {
+    let mut first = HashMap::new();
+    for (f, piece) in adapted.sources.iter().enumerate() {
+        first.entry((piece.level, piece.leaf)).or_insert(f as u32);
+    }
+    let mut crossed = Vec::new();
+    for level in 0..=leaves.finest() {
+        for visit in track.visits(level) {
+            let Some(&begin) = first.get(&(level, visit.code)) else { continue };
+            let own = adapted.sources[begin as usize..].iter();
+            let count = own.take_while(|p| (p.level, p.leaf) == (level, visit.code)).count() as u32;
+            crossed.extend((begin..begin + count).map(|f| (f, visit.segment)));
+        }
+    }
+    crossed.dedup();
+    crossed
+}
+
+/// Relaxes one strip.
+fn settle(strip: &mut attach::Strip, cut: &Cut, limit: &[DVec3], options: &RemeshOptions) -> Relaxed {
+    let mut sliders: Vec<Slider> = strip
+        .knots
+        .iter()
+        .map(|knot| {
+            let smooth = knot.kind == attach::KnotKind::Smooth;
+            Slider { t: knot.t, base: smooth.then(|| strip.base(knot).map(|v| limit[v as usize])) }
+        })
+        .collect();
+    let curve = &*cut.curve;
+    let worst = |sliders: &[Slider], strip: &attach::Strip| {
+        let knots: Vec<DVec3> =
+            sliders.iter().map(|k| curve.position(relax::curve_parameter(curve, cut.heading, k.t))).collect();
+        let begin = limit.len() as u32;
+        let at = |v: u32| if v < begin { limit[v as usize] } else { knots[(v - begin) as usize] };
+        let triangles = strip.triangles(|i| begin + i as u32);
+        triangles.iter().map(|t| relax::shape(t.map(at))).fold(f64::INFINITY, f64::min)
+    };
+    let before = (relax::residual(curve, cut.heading, &sliders), worst(&sliders, strip));
+    relax::relax(curve, cut.heading, &mut sliders, options.relax);
+    let after = (relax::residual(curve, cut.heading, &sliders), worst(&sliders, strip));
+    strip.knots.iter_mut().zip(&sliders).for_each(|(knot, slider)| knot.t = slider.t);
+    Relaxed { sweeps: options.relax.sweeps, residual: [before.0, after.0], worst_shape: [before.1, after.1] }
+}
+
+impl Remeshed {
+    /// How far from the curves a vertex has changed, and where.
+    fn reach(&self, track: &Track) -> (f64, DVec3) {
+        let mut farthest = (0.0, DVec3::ZERO);
+        for &v in &self.changed {
+            let x = self.limit[v.index()];
+            let distances = track.points.iter().map(|p| p.position.distance(x));
+            let distance = distances.fold(f64::INFINITY, f64::min);
+            if distance > farthest.0 {
+                farthest = (distance, x);
+            }
+        }
+        farthest
+    }
+}
+
+/// The nearest place, for stages that need only one.
+pub(crate) type Place = Near;
+
+impl Part {
+    /// Is it all of its leaf?
+    pub fn is_whole(self) -> bool {
+        self == Self::Whole
+    }
+}

@@ -1,0 +1,164 @@
+//! # Pre-image: where a curve runs on the source
+//!
+//! Closest points along the curve, as many as it takes for neighbours to lie in one face or in two
+//! that share an edge, and for the chords to follow the curve. The pre-image is approximate: it
+//! decides which faces go and which stay, and never where the new border lies, which is the curve
+//! itself. [Litke et al. 2001, Section 3.1]
+
+use glam::DVec3;
+use selvedge_components::curve::Curve;
+use selvedge_components::evaluate::SurfacePoint;
+use selvedge_components::mesh::{Connectivity, HalfedgeId};
+
+use super::error::PreImageError;
+use super::path::{self, Join};
+use crate::target::Target;
+
+/// A point of a pre-image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathPoint {
+    /// The curve's parameter, in [0, 1].
+    pub u: f64,
+    /// The curve's point, in model units.
+    pub position: DVec3,
+    /// The place of the source that stands for it.
+    pub at: SurfacePoint,
+    /// How far the curve's point lies off the surface, in model units.
+    pub distance: f64,
+}
+
+/// Where a curve runs on a surface: points by rising parameter. That of a closed curve does not
+/// repeat its first point.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PreImage {
+    /// The points.
+    pub points: Vec<PathPoint>,
+}
+
+impl PreImage {
+    /// The greatest distance of the curve from the surface, over the points.
+    pub fn distance(&self) -> f64 {
+        self.points.iter().map(|p| p.distance).fold(0.0, f64::max)
+    }
+}
+
+/// How a pre-image is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TraceOptions {
+    /// The greatest distance that the curve may lie off the surface, in model units.
+    pub curve: f64,
+    /// The greatest step between points, in model units: a part of the cage's edge.
+    pub step: f64,
+}
+
+/// The cosine of the angle between neighbouring chords below which they follow the curve: 0.1
+/// radians. Chords that turn by `a` stand off by `a / 8` of their length, about 1 % here.
+const COS_TURN: f64 = 0.995;
+
+/// Halvings of the first pieces: `2^-24` of the curve is below the resolution of any cage.
+const DEEPEST: u32 = 24;
+
+/// Pieces to begin with, so that no closed curve is a single chord.
+const FIRST: u32 = 16;
+
+/// Finds the pre-image of `curve`.
+///
+/// # Errors
+/// When the curve is not finite, is too far off, leaves the surface, has no length, or jumps from
+/// one part of the surface to another.
+pub fn trace(
+    mesh: &Connectivity,
+    target: &dyn Target,
+    curve: &dyn Curve,
+    options: TraceOptions,
+) -> Result<PreImage, PreImageError> {
+    let mut knots: Vec<f64> = (0..=FIRST).map(|k| f64::from(k) / f64::from(FIRST)).collect();
+    knots.extend(curve.corners().iter().copied().filter(|u| (0.0..=1.0).contains(u)));
+    knots.sort_unstable_by(f64::total_cmp);
+    knots.dedup();
+    let tracer = Tracer { mesh, target, curve, options };
+    let mut points = vec![tracer.at(0.0, None)?];
+    for pair in knots.windows(2) {
+        let last = points[points.len() - 1];
+        let end = tracer.at(pair[1], Some(last.at))?;
+        tracer.between(last, end, &mut points)?;
+        points.push(end);
+    }
+    let length: f64 = points.windows(2).map(|p| p[0].position.distance(p[1].position)).sum();
+    // Shorter than rounding of its own coordinates: nothing can be told apart along it.
+    let size = points[0].position.abs().max_element().max(options.step);
+    if length <= 1e3 * f64::EPSILON * size {
+        return Err(PreImageError::NoLength { at: points[0].position, length });
+    }
+    if curve.closed() {
+        points.pop();
+    }
+    Ok(PreImage { points })
+}
+
+struct Tracer<'a> {
+    mesh: &'a Connectivity,
+    target: &'a dyn Target,
+    curve: &'a dyn Curve,
+    options: TraceOptions,
+}
+
+impl Tracer<'_> {
+    fn at(&self, u: f64, hint: Option<SurfacePoint>) -> Result<PathPoint, PreImageError> {
+        let position = self.curve.position(u);
+        if !position.is_finite() {
+            return Err(PreImageError::NotFinite { u, at: position });
+        }
+        let foot = self.target.closest(position, hint).map_err(|source| PreImageError::Target { u, source })?;
+        let at = foot.at.ok_or(PreImageError::NoPlace { u })?;
+        let distance = foot.position.distance(position);
+        if distance > self.options.curve {
+            return Err(if self.on_border(at) {
+                PreImageError::LeavesSurface { u, at: position, distance }
+            } else {
+                PreImageError::TooFarOff { u, at: position, distance, limit: self.options.curve }
+            });
+        }
+        Ok(PathPoint { u, position, at, distance })
+    }
+
+    fn on_border(&self, at: SurfacePoint) -> bool {
+        // Closest points on a border are put there exactly; what rounding remains is a few units.
+        let zero = |w: f64| w.abs() <= 16.0 * f64::EPSILON;
+        let off = [at.st.y, 1.0 - at.st.x - at.st.y, at.st.x];
+        (0..3).any(|i| zero(off[i]) && self.mesh.twin(HalfedgeId::of(at.face, i)).is_none())
+    }
+
+    /// Pushes the points that are needed between `a` and `b`, in order.
+    fn between(&self, a: PathPoint, b: PathPoint, points: &mut Vec<PathPoint>) -> Result<(), PreImageError> {
+        // Pieces still to be looked at, the first on top.
+        let mut stack = vec![(a, b, 0)];
+        while let Some((a, b, depth)) = stack.pop() {
+            let way = path::connect(self.mesh, a.at, b.at);
+            let middle = self.at(0.5 * (a.u + b.u), Some(a.at))?;
+            if depth == DEEPEST || middle.u <= a.u || middle.u >= b.u {
+                if way.is_none() {
+                    let places = [a.at, b.at];
+                    return Err(PreImageError::Ambiguous { u: a.u, at: a.position, places });
+                }
+            } else if !(matches!(way, Some((_, Join::Straight))) && self.follows(&a, &middle, &b))
+                // A bent way is as good as a straight one once it is too short to matter.
+                && !(way.is_some() && a.position.distance(b.position) < self.options.step / 256.0)
+            {
+                stack.push((middle, b, depth + 1));
+                stack.push((a, middle, depth + 1));
+                continue;
+            }
+            if a.u > points[points.len() - 1].u {
+                points.push(a);
+            }
+        }
+        Ok(())
+    }
+
+    fn follows(&self, a: &PathPoint, middle: &PathPoint, b: &PathPoint) -> bool {
+        let (first, second) = (middle.position - a.position, b.position - middle.position);
+        let straight = first.dot(second) >= COS_TURN * first.length() * second.length();
+        straight && first.length() + second.length() <= self.options.step
+    }
+}

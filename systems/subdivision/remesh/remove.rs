@@ -1,0 +1,400 @@
+//! # Remove: what lies on the right of the curves goes
+//!
+//! A triangle goes if a curve crosses it, if one of its corners is too near to a curve to leave room
+//! for the strip, or if it lies on the right of a curve, which a flood fill tells. What is left has
+//! one simple loop of edges along each curve; where it has not, the cage is too coarse there.
+
+use glam::DVec3;
+use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
+use selvedge_components::subdivision::NONE;
+
+use super::error::RemeshError;
+use super::track::{Near, Track, size, spread};
+
+/// What becomes of a triangle of the adapted cage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// It stays.
+    Kept,
+    /// It lies on the right of a curve and goes.
+    Removed,
+    /// A curve crosses it or passes near it: the strip takes the place of its left part.
+    Cut,
+}
+
+/// What is left, and its edge along each curve.
+#[derive(Clone, Debug, Default)]
+pub struct Remains {
+    /// By triangle.
+    pub fates: Vec<Fate>,
+    /// One for each curve, in the order of the curves.
+    pub loops: Vec<Rim>,
+    /// The nearest place of the curves, for the vertices near them.
+    pub near: Vec<Option<Near>>,
+}
+
+/// The edge of what is left along one curve, in the curve's direction.
+#[derive(Clone, Debug, Default)]
+pub struct Rim {
+    /// Its vertices; the first is not repeated.
+    pub vertices: Vec<u32>,
+    /// How far along the curve the nearest place to each is, unwrapped: it grows by the curve's
+    /// length in going round, but need not be monotone.
+    pub along: Vec<f64>,
+}
+
+/// Either an error that no finer cage mends, or a place where a finer cage may help.
+#[derive(Debug)]
+pub enum Trouble {
+    /// Final.
+    Error(RemeshError),
+    /// The curves that need a finer level, and what is wrong.
+    TooCoarse {
+        /// By index, ascending.
+        curves: Vec<u32>,
+        /// What is wrong.
+        what: &'static str,
+        /// A place on the first of them.
+        near: Near,
+    },
+}
+
+/// The adapted cage, ready to be cut.
+pub struct Cage<'a> {
+    /// Its triangles.
+    pub mesh: &'a Connectivity,
+    /// The corners of the triangles.
+    pub triangles: &'a [[u32; 3]],
+    /// The limit points of its vertices.
+    pub limit: &'a [DVec3],
+    /// The curves.
+    pub track: &'a Track,
+    /// How many curves.
+    pub curves: usize,
+    /// The part of its size that a triangle's corner must be away from a curve.
+    pub margin: f64,
+}
+
+/// A corner lies clearly on one side of a curve if the way to it is at less than some 70 degrees to
+/// the curve's left or right; the others do not vote.
+const CLEAR: f64 = 0.35;
+
+impl Cage<'_> {
+    /// Cuts the cage. `crossed` lists triangles with a segment that crosses them.
+    pub fn cut(&self, crossed: &[(u32, u32)]) -> Result<Remains, Trouble> {
+        let near = spread(self.track, self.triangles, self.limit, crossed.iter().copied());
+        let mut fates = vec![Fate::Kept; self.triangles.len()];
+        crossed.iter().for_each(|&(f, _)| fates[f as usize] = Fate::Cut);
+        for (fate, corners) in fates.iter_mut().zip(self.triangles) {
+            let room = self.margin * size(corners.map(|v| self.limit[v as usize]));
+            if corners.iter().any(|&v| near[v as usize].is_some_and(|n| n.distance < room)) {
+                *fate = Fate::Cut;
+            }
+        }
+        let mut remains = Remains { fates, loops: Vec::new(), near };
+        self.flood(&mut remains)?;
+        self.trim(&mut remains)?;
+        remains.loops = self.rims(&mut remains)?;
+        Ok(remains)
+    }
+
+    /// The unit normal of the limit triangles around a vertex.
+    pub fn normal(&self, v: u32) -> DVec3 {
+        let faces = self.mesh.ring(VertexId(v)).map(|h| h.face());
+        let sum = faces.map(|f| {
+            let [a, b, c] = self.triangles[f.index()].map(|v| self.limit[v as usize]);
+            (b - a).cross(c - a)
+        });
+        sum.fold(DVec3::ZERO, |sum, n| sum + n).normalize_or_zero()
+    }
+
+    /// Which side of its nearest curve vertex `v` lies on: `Some(true)` on the left.
+    fn is_left(&self, v: u32, near: Near) -> Option<bool> {
+        let normal = self.normal(v);
+        let left = normal.cross(self.track.direction(near));
+        let way = self.limit[v as usize] - self.track.position(near);
+        let way = (way - normal * way.dot(normal)).normalize_or_zero();
+        let side = way.dot(left.normalize_or_zero());
+        (side.abs() > CLEAR).then_some(side > 0.0)
+    }
+
+    /// Decides part by part what stays: parts are sets of triangles joined through edges.
+    fn flood(&self, remains: &mut Remains) -> Result<(), Trouble> {
+        let mut part = vec![NONE; self.triangles.len()];
+        let mut parts = 0;
+        for seed in 0..self.triangles.len() {
+            if part[seed] != NONE || remains.fates[seed] == Fate::Cut {
+                continue;
+            }
+            part[seed] = parts;
+            let mut members = vec![seed];
+            let mut next = 0;
+            while let Some(&f) = members.get(next) {
+                next += 1;
+                for t in (0..3).filter_map(|i| self.mesh.twin(HalfedgeId::of(FaceId::new(f), i))) {
+                    let g = t.face().index();
+                    if part[g] == NONE && remains.fates[g] != Fate::Cut {
+                        part[g] = parts;
+                        members.push(g);
+                    }
+                }
+            }
+            parts += 1;
+            if self.lies_right(&members, remains)? {
+                members.iter().for_each(|&f| remains.fates[f] = Fate::Removed);
+            }
+        }
+        if remains.fates.contains(&Fate::Kept) { Ok(()) } else { Err(Trouble::Error(RemeshError::NothingLeft)) }
+    }
+
+    /// Does a part lie on the right of a curve?
+    fn lies_right(&self, members: &[usize], remains: &Remains) -> Result<bool, Trouble> {
+        // Votes for left and right, by curve, and where the part is met.
+        let mut votes = vec![[0_u32; 2]; self.curves];
+        let mut place = None;
+        for &v in members.iter().flat_map(|&f| &self.triangles[f]) {
+            let Some(near) = remains.near[v as usize] else { continue };
+            let at_band = self.mesh.ring(VertexId(v)).any(|h| remains.fates[h.face().index()] == Fate::Cut);
+            if !at_band {
+                continue;
+            }
+            let Some(left) = self.is_left(v, near) else { continue };
+            place = Some((v, near));
+            votes[self.track.points[near.segment as usize].cut as usize][usize::from(!left)] += 1;
+        }
+        // A few corners that lie beyond a bend of the curve may vote wrongly where the cage is too
+        // coarse; a part that lies on both sides has votes for both in like numbers.
+        for (curve, &[left, right]) in votes.iter().enumerate() {
+            let (fewer, more) = (left.min(right), left.max(right));
+            if fewer > 0 {
+                let Some((v, near)) = place else { continue };
+                if 4 * fewer > more {
+                    let at = self.limit[v as usize];
+                    return Err(Trouble::Error(RemeshError::DoesNotSeparate { curve, at }));
+                }
+                let curves = vec![curve as u32];
+                return Err(Trouble::TooCoarse { curves, what: "too coarse to tell left from right", near });
+            }
+        }
+        Ok(votes.iter().any(|v| v[1] > 0))
+    }
+
+    fn is_kept(&self, remains: &Remains, h: Option<HalfedgeId>) -> bool {
+        h.is_some_and(|h| remains.fates[h.face().index()] == Fate::Kept)
+    }
+
+    /// Is `h` an edge of what is left that is no border of the source?
+    fn is_rim(&self, remains: &Remains, h: HalfedgeId) -> bool {
+        self.is_kept(remains, Some(h)) && self.mesh.twin(h).is_some() && !self.is_kept(remains, self.mesh.twin(h))
+    }
+
+    /// Drops triangles with two rim edges, and fans that hang on to the rest by a vertex.
+    fn trim(&self, remains: &mut Remains) -> Result<(), Trouble> {
+        let all = 0..self.triangles.len();
+        let mut todo: Vec<usize> = all.clone().filter(|&f| remains.fates[f] == Fate::Kept && self.touches_cut(remains, f)).collect();
+        loop {
+            // Each round drops a triangle or ends.
+            while let Some(f) = todo.pop() {
+                let rims = |remains: &Remains| (0..3).filter(|&i| self.is_rim(remains, HalfedgeId::of(FaceId::new(f), i))).count();
+                if remains.fates[f] == Fate::Kept && rims(remains) >= 2 {
+                    self.drop_triangle(remains, f, &mut todo);
+                }
+            }
+            let mut pinched = None;
+            for f in all.clone().filter(|&f| remains.fates[f] == Fate::Kept) {
+                for h in (0..3).map(|i| HalfedgeId::of(FaceId::new(f), i)).filter(|&h| self.is_rim(remains, h)) {
+                    let fans = self.kept_fans(remains, self.mesh.from(h));
+                    if fans.len() > 1 || self.mesh.is_border(self.mesh.from(h)) {
+                        pinched = pinched.or(Some((self.mesh.from(h), fans)));
+                    }
+                }
+                if pinched.is_some() {
+                    break;
+                }
+            }
+            let Some((v, fans)) = pinched else { return Ok(()) };
+            self.open_pinch(remains, v, fans, &mut todo)?;
+        }
+    }
+
+    fn touches_cut(&self, remains: &Remains, f: usize) -> bool {
+        (0..3).any(|i| self.is_rim(remains, HalfedgeId::of(FaceId::new(f), i)))
+    }
+
+    fn drop_triangle(&self, remains: &mut Remains, f: usize, todo: &mut Vec<usize>) {
+        remains.fates[f] = Fate::Cut;
+        for v in self.triangles[f] {
+            todo.extend(self.mesh.ring(VertexId(v)).map(|h| h.face().index()));
+        }
+    }
+
+    /// The kept triangles around `v`, fan by fan.
+    fn kept_fans(&self, remains: &Remains, v: VertexId) -> Vec<Vec<usize>> {
+        let ring: Vec<HalfedgeId> = self.mesh.ring(v).collect();
+        let kept: Vec<bool> = ring.iter().map(|&h| self.is_kept(remains, Some(h))).collect();
+        let count = ring.len();
+        let closed = !self.mesh.is_border(v);
+        // Begin after a gap, so that no fan is seen in two pieces.
+        let Some(gap) = (0..count).find(|&i| !kept[i]) else {
+            return vec![ring.iter().map(|h| h.face().index()).collect()];
+        };
+        let begin = if closed { gap } else { 0 };
+        let mut fans: Vec<Vec<usize>> = Vec::new();
+        let mut open = false;
+        for i in (begin..begin + count).map(|i| i % count) {
+            if kept[i] {
+                if !open {
+                    fans.push(Vec::new());
+                }
+                if let Some(fan) = fans.last_mut() {
+                    fan.push(ring[i].face().index());
+                }
+            }
+            open = kept[i];
+        }
+        fans
+    }
+
+    /// Two stretches of rim meet at `v`: if they are the same stretch of one curve, the smaller fan
+    /// goes; otherwise the cage must be finer there.
+    fn open_pinch(
+        &self,
+        remains: &mut Remains,
+        v: VertexId,
+        fans: Vec<Vec<usize>>,
+        todo: &mut Vec<usize>,
+    ) -> Result<(), Trouble> {
+        let coarse = |curves: Vec<u32>, what| {
+            let Some(near) = remains.near[v.index()] else {
+                return Trouble::Error(RemeshError::NothingLeft);
+            };
+            let own = self.track.points[near.segment as usize].cut;
+            let curves = if curves.is_empty() { vec![own] } else { curves };
+            Trouble::TooCoarse { curves, what, near }
+        };
+        if self.mesh.is_border(v) {
+            return Err(coarse(Vec::new(), "too coarse between the curve and a border"));
+        }
+        // The stretches of curve that the fans are near to.
+        let around = |fan: &[usize]| -> Vec<Near> {
+            fan.iter().flat_map(|&f| self.triangles[f]).filter(|&w| w != v.0).filter_map(|w| remains.near[w as usize]).collect()
+        };
+        let nears: Vec<Near> = fans.iter().flat_map(|fan| around(fan)).collect();
+        let mut curves: Vec<u32> = nears.iter().map(|n| self.track.points[n.segment as usize].cut).collect();
+        curves.sort_unstable();
+        curves.dedup();
+        if curves.len() > 1 {
+            return Err(coarse(curves, "too coarse between two curves"));
+        }
+        let h = fans.iter().flatten().map(|&f| size(self.triangles[f].map(|v| self.limit[v as usize]))).fold(0.0, f64::max);
+        let apart = nears.iter().flat_map(|a| nears.iter().map(|b| self.track.distance_along(*a, *b))).fold(0.0, f64::max);
+        if apart > APART * h {
+            return Err(coarse(curves, "too coarse between two parts of the curve"));
+        }
+        let Some(smaller) = fans.iter().min_by_key(|fan| fan.len()) else { return Ok(()) };
+        for &f in smaller {
+            self.drop_triangle(remains, f, todo);
+        }
+        Ok(())
+    }
+
+    /// The rim along each curve.
+    fn rims(&self, remains: &mut Remains) -> Result<Vec<Rim>, Trouble> {
+        let mut rims: Vec<Option<Rim>> = vec![None; self.curves];
+        let mut seen = vec![false; 3 * self.triangles.len()];
+        for h in (0..3 * self.triangles.len()).map(HalfedgeId::new) {
+            if seen[h.index()] || !self.is_rim(remains, h) {
+                continue;
+            }
+            let walk = self.walk(remains, h, &mut seen);
+            let nears: Vec<Near> = walk.iter().filter_map(|v| remains.near[v.index()]).collect();
+            let Some(&first) = nears.first() else { return Err(Trouble::Error(RemeshError::NothingLeft)) };
+            let cut = self.track.points[first.segment as usize].cut;
+            let mut curves: Vec<u32> = nears.iter().map(|n| self.track.points[n.segment as usize].cut).collect();
+            curves.sort_unstable();
+            curves.dedup();
+            if nears.len() < walk.len() || curves.len() > 1 {
+                return Err(Trouble::TooCoarse { curves, what: "too coarse between two curves", near: first });
+            }
+            let length = self.track.tracks[cut as usize].length;
+            let along = self.unwrap(&nears, length);
+            let rounds = ((along[walk.len()] - along[0]) / length).round();
+            let rim = Rim { vertices: walk.iter().map(|v| v.0).collect(), along: along[..walk.len()].to_vec() };
+            if rounds == 1.0 && rims[cut as usize].is_none() {
+                rims[cut as usize] = Some(rim);
+            } else if rounds == 0.0 && self.drop_pocket(remains, h) {
+                // What hung on by nothing is gone.
+            } else {
+                return Err(Trouble::TooCoarse { curves, what: "without a single rim", near: first });
+            }
+        }
+        let missing = rims.iter().position(Option::is_none);
+        if let Some(c) = missing {
+            let segment = self.track.points.iter().position(|p| p.cut as usize == c).unwrap_or(0) as u32;
+            let near = Near { segment, part: 0.0, distance: 0.0 };
+            return Err(Trouble::TooCoarse { curves: vec![c as u32], what: "without a rim", near });
+        }
+        Ok(rims.into_iter().flatten().collect())
+    }
+
+    /// The rim from `start` on, with the rest on the left.
+    fn walk(&self, remains: &Remains, start: HalfedgeId, seen: &mut [bool]) -> Vec<VertexId> {
+        let mut walk = Vec::new();
+        let mut h = start;
+        loop {
+            seen[h.index()] = true;
+            walk.push(self.mesh.from(h));
+            let mut n = h.next();
+            // No vertex of a rim lies on a border and each has one fan, so this ends at a rim edge.
+            while let Some(t) = self.mesh.twin(n).filter(|_| !self.is_rim(remains, n)) {
+                n = t.next();
+            }
+            h = n;
+            if seen[h.index()] {
+                return walk;
+            }
+        }
+    }
+
+    /// Distances along the curve without jumps where it closes, one more than there are places: the
+    /// last is the first again, having gone round.
+    fn unwrap(&self, nears: &[Near], length: f64) -> Vec<f64> {
+        let mut out: Vec<f64> = Vec::with_capacity(nears.len() + 1);
+        for near in nears.iter().chain(nears.first()) {
+            let along = self.track.along(*near);
+            let last = out.last().copied().unwrap_or(along);
+            out.push(along - ((along - last) / length).round() * length);
+        }
+        out
+    }
+
+    /// Removes the part of what is left that holds `h` if all of it is near the curve: a few
+    /// triangles between the curve's bends. `false` if it is more than that.
+    fn drop_pocket(&self, remains: &mut Remains, h: HalfedgeId) -> bool {
+        let mut members = vec![h.face().index()];
+        let mut inside = std::collections::HashSet::from([h.face().index()]);
+        let mut next = 0;
+        while let Some(&f) = members.get(next) {
+            next += 1;
+            let corners = self.triangles[f];
+            let h = size(corners.map(|v| self.limit[v as usize]));
+            if !corners.iter().all(|&v| remains.near[v as usize].is_some_and(|n| n.distance < POCKET * h)) {
+                return false;
+            }
+            for t in (0..3).filter_map(|i| self.mesh.twin(HalfedgeId::of(FaceId::new(f), i))) {
+                if remains.fates[t.face().index()] == Fate::Kept && inside.insert(t.face().index()) {
+                    members.push(t.face().index());
+                }
+            }
+        }
+        members.into_iter().for_each(|f| remains.fates[f] = Fate::Cut);
+        true
+    }
+}
+
+/// Two places of a rim that are farther apart along the curve than this many sizes of a triangle are
+/// different stretches of it: the triangles around one vertex span two or three.
+const APART: f64 = 6.0;
+
+/// A pocket reaches no farther from the curve than this many sizes: the band between is one wide.
+const POCKET: f64 = 2.0;

@@ -1,0 +1,5 @@
+//! What a remeshed cage must be, over many surfaces and curves.
+
+mod support;
+mod draw;
+mod bores;
