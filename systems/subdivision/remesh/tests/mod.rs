@@ -3,3 +3,4 @@
 mod support;
 mod draw;
 mod bores;
+mod judge;

@@ -253,42 +253,81 @@ impl<F: Fn(f64) -> DVec2 + Send + Sync> Curve for Laid<F> {
     }
 }
 
-/// A round curve above the plane z = 0, on a surface that is a height over it: the vertical
-/// projection by fixed-point iteration on the lattice.
-pub struct Bore {
+/// A flat curve laid vertically on a plate, the surface of a regular lattice: there the limit point of
+/// a place has the lattice's own x and y, so the place is known.
+pub struct OnPlate<F> {
     pub walker: Arc<Walker>,
-    pub centre: DVec2,
-    pub radius: f64,
+    /// The curve in x and y.
+    pub plane: F,
+    pub corners: Vec<f64>,
 }
 
-impl core::fmt::Debug for Bore {
+impl<F> core::fmt::Debug for OnPlate<F> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "Bore({}, {})", self.centre, self.radius)
+        f.write_str("OnPlate")
     }
 }
 
-impl Curve for Bore {
-    /// Clockwise seen from above: what stays is outside.
+impl<F: Fn(f64) -> DVec2 + Send + Sync> Curve for OnPlate<F> {
     fn position(&self, u: f64) -> DVec3 {
-        let (s, c) = (TAU * u).sin_cos();
-        let p = self.centre + self.radius * DVec2::new(c, -s);
-        // x and y of a plate's limit surface are those of its lattice.
-        let mut z = 0.0;
-        for _ in 0..40 {
-            let foot = self.walker.closest(p.extend(z), None).expect("a foot");
-            let at = foot.at.expect("a place");
-            let jet = self.walker.surface.jet(at);
-            let n = jet.ds.cross(jet.dt);
-            let next = foot.position.z - (n.x * (p.x - foot.position.x) + n.y * (p.y - foot.position.y)) / n.z;
-            if (next - z).abs() < 1e-17 {
-                break;
-            }
-            z = next;
-        }
-        p.extend(z)
+        let p = (self.plane)(u);
+        let faces = self.walker.mesh.face_count() as f64;
+        let n = (faces / 2.0).sqrt().round();
+        // The lattice is centred, and its first point is its lowest.
+        let h = -2.0 * self.walker.surface.points()[0].x / n;
+        let q = (p / h + DVec2::splat(0.5 * n)).clamp(DVec2::ZERO, DVec2::splat(n));
+        let cell = q.floor().min(DVec2::splat(n - 1.0));
+        let f = q - cell;
+        let face = 2 * (cell.x * n + cell.y) as u32;
+        // Faces (00, 10, 11) and (00, 11, 01).
+        let at = if f.x >= f.y {
+            SurfacePoint::new(FaceId(face), f.x - f.y, f.y)
+        } else {
+            SurfacePoint::new(FaceId(face + 1), f.x, f.y - f.x)
+        };
+        p.extend(self.walker.position(at).z)
+    }
+
+    fn corners(&self) -> &[f64] {
+        &self.corners
     }
 
     fn closed(&self) -> bool {
         true
+    }
+}
+
+/// A circle, clockwise seen from above: what stays is outside.
+pub fn circle(centre: DVec2, radius: f64) -> impl Fn(f64) -> DVec2 + Send + Sync {
+    move |u| {
+        let (s, c) = (TAU * u).sin_cos();
+        centre + radius * DVec2::new(c, -s)
+    }
+}
+
+/// A polygon, in the order of its points.
+pub fn polygon(points: Vec<DVec2>) -> (impl Fn(f64) -> DVec2 + Send + Sync, Vec<f64>) {
+    let n = points.len();
+    let corners = (0..n).map(|i| i as f64 / n as f64).collect();
+    let at = move |u: f64| {
+        let x = u * n as f64;
+        let i = (x.floor() as usize).min(n - 1);
+        points[i].lerp(points[(i + 1) % n], x - i as f64)
+    };
+    (at, corners)
+}
+
+/// Numbers in [0, 1) that look random: the same on every run.
+#[derive(Clone, Debug)]
+pub struct Numbers(pub u64);
+
+impl Numbers {
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.next()
     }
 }
