@@ -69,6 +69,7 @@ pub fn relax(curve: &dyn Curve, heading: Heading, knots: &mut [Slider], options:
     let point = |t: f64| curve.position(curve_parameter(curve, heading, t));
     let sign = if heading == Heading::Along { 1.0 } else { -1.0 };
     let slope = |t: f64| sign * curve.derivative(curve_parameter(curve, heading, t));
+    let gap = least_gaps(knots, options);
     for _ in 0..options.sweeps {
         let old: Vec<f64> = knots.iter().map(|k| k.t).collect();
         for i in 0..n {
@@ -76,6 +77,8 @@ pub fn relax(curve: &dyn Curve, heading: Heading, knots: &mut [Slider], options:
             let before = old[(i + n - 1) % n] - if i == 0 { 1.0 } else { 0.0 };
             let after = old[(i + 1) % n] + if i + 1 == n { 1.0 } else { 0.0 };
             let edge = 0.5 * (1.0 - options.middle) * (after - before);
+            // The middle part, less what lies nearer to a neighbour than the least gap.
+            let edge = edge.max(gap[i].min(0.5 * (after - before)));
             let (low, high) = (before + edge, after - edge);
             let mut t = old[i];
             for _ in 0..NEWTON {
@@ -88,6 +91,26 @@ pub fn relax(curve: &dyn Curve, heading: Heading, knots: &mut [Slider], options:
             knots[i].t = (1.0 - options.step) * old[i] + options.step * t.clamp(low, high);
         }
     }
+}
+
+/// By knot, the least gap to its neighbours: a part of the mean gap between the two corners that it
+/// lies between. A rim that bends round a corner would draw one knot after the other into it.
+fn least_gaps(knots: &[Slider], options: RelaxOptions) -> Vec<f64> {
+    let n = knots.len();
+    let fixed: Vec<usize> = (0..n).filter(|&i| knots[i].base.is_none()).collect();
+    let share = 0.5 * (1.0 - options.middle);
+    if fixed.is_empty() {
+        return vec![share / n as f64; n];
+    }
+    let mut gaps = vec![0.0; n];
+    for (k, &from) in fixed.iter().enumerate() {
+        let to = fixed[(k + 1) % fixed.len()];
+        let round = k + 1 == fixed.len();
+        let count = if round { to + n - from } else { to - from };
+        let way = knots[to].t - knots[from].t + if round { 1.0 } else { 0.0 };
+        (1..count).for_each(|j| gaps[(from + j) % n] = share * way / count as f64);
+    }
+    gaps
 }
 
 /// Newton steps in a sweep: the next sweep goes on where this one stops.

@@ -39,8 +39,8 @@ impl Default for AdaptOptions {
     }
 }
 
-/// Leaves that suit all curves of `track`. `raise` asks for so many levels more than rule 1 finds,
-/// by curve.
+/// Leaves that suit all curves of `track`. `least` asks for a level where rule 1 finds less, by
+/// segment.
 ///
 /// # Errors
 /// [`RemeshError::TooFine`].
@@ -49,16 +49,15 @@ pub fn adapt(
     corners: &CornerTable,
     track: &Track,
     options: &AdaptOptions,
-    raise: &[u32],
+    least: &[u32],
 ) -> Result<Leaves, RemeshError> {
     let limit = options.finest.min(FaceCode::finest(surface.mesh.face_count()).saturating_sub(2));
     let mut leaves = Leaves::uniform(&surface.mesh, options.base.min(limit));
-    let mut finest = follow(surface, corners, track, options, limit, raise.len())?;
-    for (level, more) in finest.iter_mut().zip(raise) {
-        *level += more;
-    }
-    if let Some(c) = finest.iter().position(|&l| l > limit) {
-        return Err(too_fine(track, limit, c as u32));
+    let by_curve = follow(surface, corners, track, options, limit)?;
+    let wanted = track.points.iter().zip(least).map(|(p, &least)| by_curve[p.cut as usize].max(least));
+    let finest: Vec<u32> = wanted.collect();
+    if let Some(s) = finest.iter().position(|&l| l > limit) {
+        return Err(too_fine(track, limit, s as u32));
     }
     let deepest = finest.iter().copied().max().unwrap_or(0);
     for level in options.base..deepest {
@@ -70,10 +69,9 @@ pub fn adapt(
     Ok(leaves)
 }
 
-fn too_fine(track: &Track, limit: u32, curve: u32) -> RemeshError {
-    let p = track.points.iter().find(|p| p.cut == curve);
-    let (u, at) = p.map_or((0.0, glam::DVec3::NAN), |p| (p.t.abs(), p.position));
-    RemeshError::TooFine { limit, curve: curve as usize, u, at }
+fn too_fine(track: &Track, limit: u32, segment: u32) -> RemeshError {
+    let p = &track.points[segment as usize];
+    RemeshError::TooFine { limit, curve: p.cut as usize, u: p.t.abs(), at: p.position }
 }
 
 /// Rule 1: the finest level that each curve asks for.
@@ -83,9 +81,8 @@ fn follow(
     track: &Track,
     options: &AdaptOptions,
     limit: u32,
-    curves: usize,
 ) -> Result<Vec<u32>, RemeshError> {
-    let mut finest = vec![options.base; curves];
+    let mut finest = vec![options.base; track.tracks.len()];
     let lengths = piece_lengths(track);
     let mut open: Option<Vec<FaceCode>> = None;
     for level in options.base..=limit {
@@ -105,9 +102,10 @@ fn follow(
             let (arc, chord) = arc_and_chord(track, run);
             let cut = track.points[run[0].segment as usize].cut as usize;
             let length = lengths[run[0].segment as usize];
-            if arc > (1.0 + options.bend) * chord || options.pieces * edge > length {
+            let bends = arc > SHORTEST * edge && arc > (1.0 + options.bend) * chord;
+            if bends || options.pieces * edge > length {
                 if level == limit {
-                    return Err(too_fine(track, limit, cut as u32));
+                    return Err(too_fine(track, limit, run[0].segment));
                 }
                 split.push(run[0].code);
                 finest[cut] = level + 1;
@@ -117,6 +115,10 @@ fn follow(
     }
     Ok(finest)
 }
+
+/// A curve that touches a face by less than this part of its size is the business of the faces
+/// beside it; where it runs through a vertex it may touch some by a rounding error.
+const SHORTEST: f64 = 0.1;
 
 /// Is `b` the smooth continuation of `a`?
 fn joined(track: &Track, a: &Visit, b: &Visit) -> bool {
@@ -133,10 +135,9 @@ fn arc_and_chord(track: &Track, run: &[Visit]) -> (f64, f64) {
     (arc, at(&run[0], 0).distance(at(&run[run.len() - 1], 1)))
 }
 
-/// By segment, the length of the smooth piece of curve that it belongs to; infinite for a closed
-/// curve without corners, where the bend alone decides.
+/// By segment, the length of the smooth piece of curve that it belongs to.
 fn piece_lengths(track: &Track) -> Vec<f64> {
-    let mut lengths = vec![f64::INFINITY; track.points.len()];
+    let mut lengths: Vec<f64> = track.points.iter().map(|p| track.tracks[p.cut as usize].length).collect();
     for start in 0..track.points.len() {
         let p = &track.points[start];
         if !(p.corner || p.previous == NONE) || p.next == NONE {
@@ -172,7 +173,7 @@ fn near(
     let existing = leaves.existing(&surface.mesh, level);
     let field = Field::new(surface, corners, level, &existing);
     let mesh = &field.level.mesh;
-    let wanted = |segment: u32| finest[track.points[segment as usize].cut as usize] > level;
+    let wanted = |segment: u32| finest[segment as usize] > level;
     let visits = track.visits(level).into_iter().filter(|v| wanted(v.segment));
     let seeds: Vec<(u32, u32)> = visits.filter_map(|v| Some((mesh.find(v.code)?, v.segment))).collect();
     let near = spread(track, &mesh.corners, &field.limit, seeds.iter().copied());

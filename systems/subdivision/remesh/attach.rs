@@ -127,21 +127,34 @@ fn corner(track: &Track, p: u32, rim: &Rim, limit: &impl Fn(u32) -> (DVec3, DVec
         let d = rim.along[i] - point.along;
         (d - (d / length).round() * length).abs()
     };
-    let distance = |i: usize| {
-        let far = if apart(i) > 0.25 * length { f64::INFINITY } else { 0.0 };
-        far + limit(rim.vertices[i]).0.distance(point.position)
-    };
-    let nearest = (0..rim.vertices.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
     let unit = |s: u32| {
         let (a, b) = track.ends(s);
         (b - a).normalize_or_zero()
     };
-    let turn = unit(point.previous).cross(unit(p)).dot(limit(rim.vertices[nearest]).1);
+    let far = |i: usize| limit(rim.vertices[i]).0.distance(point.position);
+    let usable = |i: &usize| apart(*i) <= 0.25 * length;
+    let near = (0..rim.vertices.len()).filter(usable).min_by(|&a, &b| far(a).total_cmp(&far(b))).unwrap_or(0);
+    let normal = limit(rim.vertices[near]).1;
+    let (before, after) = (unit(point.previous), unit(p));
+    // Half-way between the two sides, into what stays.
+    let bisector = normal.cross(before + after).normalize_or_zero();
+    let off = |i: usize| 1.0 - (limit(rim.vertices[i]).0 - point.position).normalize_or_zero().dot(bisector);
+    let close = |i: &usize| far(*i) <= CORNER_REACH * far(near);
+    let nearest = (0..rim.vertices.len())
+        .filter(|i| usable(i) && close(i))
+        .min_by(|&a, &b| off(a).total_cmp(&off(b)))
+        .unwrap_or(near);
+    let turn = before.cross(after).dot(normal);
     let kind = if turn < 0.0 { KnotKind::Concave } else { KnotKind::Convex };
     // How far round the rim has come there.
     let along = point.along + ((rim.along[nearest] - point.along) / length).round() * length;
     Corner { along, nearest, kind }
 }
+
+/// Of the rim vertices no farther than this many times the nearest, a corner takes the one that lies
+/// best in its middle: so both sides have their fair share of the rim. The rim's triangles are alike
+/// in size, so that is within one edge or two.
+const CORNER_REACH: f64 = 2.5;
 
 /// Corners where they are, and smooth knots on the rim edges between.
 fn knots_between(track: &Track, cut: u32, corners: &[Corner], m: usize) -> Result<Vec<Knot>, Near> {

@@ -36,7 +36,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use selvedge_components::curve::Curve;
 use selvedge_components::mesh::Connectivity;
-use selvedge_components::subdivision::{CornerTable, Heading, LoopSurface};
+use selvedge_components::subdivision::{CornerTable, Heading, LoopSurface, NONE};
 
 pub use adapt::AdaptOptions;
 pub use assemble::{FaceOrigin, Remeshed, VertexOrigin};
@@ -47,8 +47,8 @@ pub use remove::Fate;
 use super::relax::{self, RelaxOptions, Relaxed, Slider};
 use closure::{Adapted, Part};
 use leaves::Leaves;
-use remove::{Cage, Remains, Trouble};
-use track::{Near, Track};
+use remove::{Cage, Place, Remains, Trouble};
+use track::Track;
 
 /// One directed curve that cuts: what lies on its left stays.
 #[derive(Clone, Debug)]
@@ -83,7 +83,7 @@ impl Default for RemeshOptions {
             margin: 0.3,
             relax: RelaxOptions::default(),
             reach: None,
-            tries: 5,
+            tries: 12,
         }
     }
 }
@@ -147,24 +147,52 @@ fn refine_until_sound(
     track: &Track,
     options: &RemeshOptions,
 ) -> Result<Remeshed, RemeshError> {
-    let mut raise = vec![0; cuts.len()];
+    let mut least = vec![0; track.points.len()];
     for tried in 0.. {
-        let leaves = adapt::adapt(surface, corners, track, &options.adapt, &raise)?;
-        let trouble = match cut_once(surface, corners, cuts, track, &leaves, options) {
+        let leaves = adapt::adapt(surface, corners, track, &options.adapt, &least)?;
+        let (what, places) = match cut_once(surface, corners, cuts, track, &leaves, options) {
             Ok(remeshed) => return Ok(remeshed),
             Err(Trouble::Error(why)) => return Err(why),
-            Err(Trouble::TooCoarse { curves, what, near }) => (curves, what, near),
+            Err(Trouble::TooCoarse { what, places }) => (what, places),
         };
-        let (curves, what, near) = trouble;
-        if tried == options.tries {
-            let u = track.parameter(near).abs();
-            let curve = track.points[near.segment as usize].cut as usize;
-            let (at, level) = (track.position(near), leaves.finest());
-            return Err(RemeshError::Unresolved { what, curve, u, at, tries: tried, level });
-        }
-        curves.into_iter().for_each(|c| raise[c as usize] += 1);
+        let Some(first) = places.first().filter(|_| tried == options.tries) else {
+            places.iter().for_each(|place| ask_for_finer(track, place, &mut least));
+            continue;
+        };
+        let u = track.parameter(first.near).abs();
+        let curve = track.points[first.near.segment as usize].cut as usize;
+        let (at, level) = (track.position(first.near), leaves.finest());
+        return Err(RemeshError::Unresolved { what, curve, u, at, tries: tried, level });
     }
+    // Reached only if tries overflow.
     Err(RemeshError::NoCurves)
+}
+
+/// How far along the curve to either side of a place that is too coarse the cage is refined, in sizes
+/// of its triangles there: as far as the triangles around its neighbours reach.
+const ASIDE: f64 = 3.0;
+
+/// Asks for one level more along the curve near `place`.
+fn ask_for_finer(track: &Track, place: &Place, least: &mut [u32]) {
+    let cut = track.points[place.near.segment as usize].cut;
+    let whole = track.tracks[cut as usize];
+    let wanted = place.level + 1;
+    let mut raise = |segment: u32| least[segment as usize] = least[segment as usize].max(wanted);
+    let from = track.along(place.near);
+    for (sign, reach) in [(1.0, ASIDE * place.size), (-1.0, ASIDE * place.size)] {
+        let mut at = place.near.segment;
+        for _ in 0..whole.count {
+            raise(at);
+            let far = (track.points[at as usize].along - from) * sign;
+            let far = if whole.closed { far - (far / whole.length).floor() * whole.length } else { far };
+            let next = if sign > 0.0 { track.points[at as usize].next } else { track.points[at as usize].previous };
+            let is_segment = next != NONE && track.points[next as usize].next != NONE;
+            if !is_segment || (far > reach && at != place.near.segment) {
+                break;
+            }
+            at = next;
+        }
+    }
 }
 
 /// One try, with leaves that are given.
@@ -178,23 +206,24 @@ fn cut_once(
 ) -> Result<Remeshed, Trouble> {
     let adapted = closure::close(surface, corners, leaves).map_err(Trouble::Error)?;
     let mesh = manifold(adapted.vertices.len(), &adapted.triangles)?;
+    let levels: Vec<u32> = adapted.sources.iter().map(|s| s.level).collect();
     let limit: Vec<DVec3> = adapted.vertices.iter().map(|v| v.limit).collect();
     let cage = Cage {
         mesh: &mesh,
         triangles: &adapted.triangles,
+        levels: &levels,
         limit: &limit,
         track,
-        curves: cuts.len(),
         margin: options.margin,
     };
     let remains = cage.cut(&crossed(&adapted, track, leaves))?;
     let mut strips = Vec::with_capacity(cuts.len());
     for (cut, rim) in remains.loops.iter().enumerate() {
         let strip = attach::attach(track, cut as u32, rim, |v| (limit[v as usize], cage.normal(v)));
-        strips.push(strip.map_err(|near| Trouble::TooCoarse {
-            curves: vec![cut as u32],
-            what: "too coarse between two corners",
-            near,
+        strips.push(strip.map_err(|near| {
+            let at = rim.vertices.iter().find(|&&v| remains.near[v as usize].is_some());
+            let place = cage.place(at.copied().unwrap_or(0), near);
+            Trouble::TooCoarse { what: "too coarse between two corners", places: vec![place] }
         })?);
     }
     let relaxed = strips.iter_mut().zip(cuts).map(|(strip, cut)| settle(strip, cut, &limit, options)).collect();
@@ -278,9 +307,6 @@ impl Remeshed {
         farthest
     }
 }
-
-/// The nearest place, for stages that need only one.
-pub(crate) type Place = Near;
 
 impl Part {
     /// Is it all of its leaf?

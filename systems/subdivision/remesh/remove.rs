@@ -48,29 +48,39 @@ pub struct Rim {
 pub enum Trouble {
     /// Final.
     Error(RemeshError),
-    /// The curves that need a finer level, and what is wrong.
+    /// What is wrong, and the places of the curves that need a finer cage.
     TooCoarse {
-        /// By index, ascending.
-        curves: Vec<u32>,
         /// What is wrong.
         what: &'static str,
-        /// A place on the first of them.
-        near: Near,
+        /// Never empty.
+        places: Vec<Place>,
     },
 }
 
+/// A place of a curve, and the cage there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// The place.
+    pub near: Near,
+    /// The finest level of the triangles there.
+    pub level: u32,
+    /// The greatest of their sizes, in model units.
+    pub size: f64,
+}
+
 /// The adapted cage, ready to be cut.
+#[derive(Debug)]
 pub struct Cage<'a> {
     /// Its triangles.
     pub mesh: &'a Connectivity,
     /// The corners of the triangles.
     pub triangles: &'a [[u32; 3]],
+    /// The levels of the triangles.
+    pub levels: &'a [u32],
     /// The limit points of its vertices.
     pub limit: &'a [DVec3],
     /// The curves.
     pub track: &'a Track,
-    /// How many curves.
-    pub curves: usize,
     /// The part of its size that a triangle's corner must be away from a curve.
     pub margin: f64,
 }
@@ -150,7 +160,7 @@ impl Cage<'_> {
     /// Does a part lie on the right of a curve?
     fn lies_right(&self, members: &[usize], remains: &Remains) -> Result<bool, Trouble> {
         // Votes for left and right, by curve, and where the part is met.
-        let mut votes = vec![[0_u32; 2]; self.curves];
+        let mut votes = vec![[0_u32; 2]; self.track.tracks.len()];
         let mut place = None;
         for &v in members.iter().flat_map(|&f| &self.triangles[f]) {
             let Some(near) = remains.near[v as usize] else { continue };
@@ -172,8 +182,8 @@ impl Cage<'_> {
                     let at = self.limit[v as usize];
                     return Err(Trouble::Error(RemeshError::DoesNotSeparate { curve, at }));
                 }
-                let curves = vec![curve as u32];
-                return Err(Trouble::TooCoarse { curves, what: "too coarse to tell left from right", near });
+                let places = vec![self.place(v, near)];
+                return Err(Trouble::TooCoarse { what: "too coarse to tell left from right", places });
             }
         }
         Ok(votes.iter().any(|v| v[1] > 0))
@@ -200,21 +210,39 @@ impl Cage<'_> {
                     self.drop_triangle(remains, f, &mut todo);
                 }
             }
-            let mut pinched = None;
-            for f in all.clone().filter(|&f| remains.fates[f] == Fate::Kept) {
-                for h in (0..3).map(|i| HalfedgeId::of(FaceId::new(f), i)).filter(|&h| self.is_rim(remains, h)) {
-                    let fans = self.kept_fans(remains, self.mesh.from(h));
-                    if fans.len() > 1 || self.mesh.is_border(self.mesh.from(h)) {
-                        pinched = pinched.or(Some((self.mesh.from(h), fans)));
-                    }
-                }
-                if pinched.is_some() {
-                    break;
+            let pinched = self.pinches(remains);
+            let mut places = Vec::new();
+            for &v in &pinched {
+                if remains.fates[self.mesh.outgoing(v).face().index()] == Fate::Kept || self.kept_fans(remains, v).len() > 1 {
+                    places.extend(self.open_pinch(remains, v, &mut todo));
                 }
             }
-            let Some((v, fans)) = pinched else { return Ok(()) };
-            self.open_pinch(remains, v, fans, &mut todo)?;
+            if !places.is_empty() {
+                return Err(Trouble::TooCoarse { what: "too coarse between boundaries", places });
+            }
+            if pinched.is_empty() {
+                return Ok(());
+            }
         }
+    }
+
+    /// The vertices at which two stretches of rim meet, or one and a border; ascending.
+    fn pinches(&self, remains: &Remains) -> Vec<VertexId> {
+        let mut on_rim = vec![false; self.limit.len()];
+        for h in (0..3 * self.triangles.len()).map(HalfedgeId::new).filter(|&h| self.is_rim(remains, h)) {
+            on_rim[self.mesh.from(h).index()] = true;
+            on_rim[self.mesh.to(h).index()] = true;
+        }
+        let rim = (0..on_rim.len()).filter(|&v| on_rim[v]).map(VertexId::new);
+        rim.filter(|&v| self.mesh.is_border(v) || self.kept_fans(remains, v).len() > 1).collect()
+    }
+
+    /// A place of a curve with the cage at `v`.
+    pub fn place(&self, v: u32, near: Near) -> Place {
+        let around = || self.mesh.ring(VertexId(v)).map(|h| h.face().index());
+        let sizes = around().map(|f| size(self.triangles[f].map(|v| self.limit[v as usize])));
+        let level = around().map(|f| self.levels[f]).max().unwrap_or(0);
+        Place { near, level, size: sizes.fold(0.0, f64::max) }
     }
 
     fn touches_cut(&self, remains: &Remains, f: usize) -> bool {
@@ -256,51 +284,33 @@ impl Cage<'_> {
     }
 
     /// Two stretches of rim meet at `v`: if they are the same stretch of one curve, the smaller fan
-    /// goes; otherwise the cage must be finer there.
-    fn open_pinch(
-        &self,
-        remains: &mut Remains,
-        v: VertexId,
-        fans: Vec<Vec<usize>>,
-        todo: &mut Vec<usize>,
-    ) -> Result<(), Trouble> {
-        let coarse = |curves: Vec<u32>, what| {
-            let Some(near) = remains.near[v.index()] else {
-                return Trouble::Error(RemeshError::NothingLeft);
-            };
-            let own = self.track.points[near.segment as usize].cut;
-            let curves = if curves.is_empty() { vec![own] } else { curves };
-            Trouble::TooCoarse { curves, what, near }
-        };
+    /// goes; otherwise the places are returned where the cage must be finer.
+    fn open_pinch(&self, remains: &mut Remains, v: VertexId, todo: &mut Vec<usize>) -> Vec<Place> {
+        let fans = self.kept_fans(remains, v);
+        let around = fans.iter().flatten().flat_map(|&f| self.triangles[f]);
+        let nears: Vec<(u32, Near)> = around.filter_map(|w| Some((w, remains.near[w as usize]?))).collect();
+        let places = || nears.iter().map(|&(w, n)| self.place(w, n)).collect();
         if self.mesh.is_border(v) {
-            return Err(coarse(Vec::new(), "too coarse between the curve and a border"));
+            return places();
         }
-        // The stretches of curve that the fans are near to.
-        let around = |fan: &[usize]| -> Vec<Near> {
-            fan.iter().flat_map(|&f| self.triangles[f]).filter(|&w| w != v.0).filter_map(|w| remains.near[w as usize]).collect()
-        };
-        let nears: Vec<Near> = fans.iter().flat_map(|fan| around(fan)).collect();
-        let mut curves: Vec<u32> = nears.iter().map(|n| self.track.points[n.segment as usize].cut).collect();
-        curves.sort_unstable();
-        curves.dedup();
-        if curves.len() > 1 {
-            return Err(coarse(curves, "too coarse between two curves"));
+        let cut = |n: &Near| self.track.points[n.segment as usize].cut;
+        if nears.iter().any(|(_, n)| cut(n) != cut(&nears[0].1)) {
+            return places();
         }
         let h = fans.iter().flatten().map(|&f| size(self.triangles[f].map(|v| self.limit[v as usize]))).fold(0.0, f64::max);
-        let apart = nears.iter().flat_map(|a| nears.iter().map(|b| self.track.distance_along(*a, *b))).fold(0.0, f64::max);
-        if apart > APART * h {
-            return Err(coarse(curves, "too coarse between two parts of the curve"));
+        let pairs = nears.iter().flat_map(|a| nears.iter().map(|b| self.track.distance_along(a.1, b.1)));
+        if pairs.fold(0.0, f64::max) > APART * h {
+            return places();
         }
-        let Some(smaller) = fans.iter().min_by_key(|fan| fan.len()) else { return Ok(()) };
-        for &f in smaller {
-            self.drop_triangle(remains, f, todo);
+        if let Some(smaller) = fans.iter().min_by_key(|fan| fan.len()) {
+            smaller.iter().for_each(|&f| self.drop_triangle(remains, f, todo));
         }
-        Ok(())
+        Vec::new()
     }
 
     /// The rim along each curve.
     fn rims(&self, remains: &mut Remains) -> Result<Vec<Rim>, Trouble> {
-        let mut rims: Vec<Option<Rim>> = vec![None; self.curves];
+        let mut rims: Vec<Option<Rim>> = vec![None; self.track.tracks.len()];
         let mut seen = vec![false; 3 * self.triangles.len()];
         for h in (0..3 * self.triangles.len()).map(HalfedgeId::new) {
             if seen[h.index()] || !self.is_rim(remains, h) {
@@ -310,11 +320,15 @@ impl Cage<'_> {
             let nears: Vec<Near> = walk.iter().filter_map(|v| remains.near[v.index()]).collect();
             let Some(&first) = nears.first() else { return Err(Trouble::Error(RemeshError::NothingLeft)) };
             let cut = self.track.points[first.segment as usize].cut;
-            let mut curves: Vec<u32> = nears.iter().map(|n| self.track.points[n.segment as usize].cut).collect();
-            curves.sort_unstable();
-            curves.dedup();
-            if nears.len() < walk.len() || curves.len() > 1 {
-                return Err(Trouble::TooCoarse { curves, what: "too coarse between two curves", near: first });
+            let of = |n: &Near| self.track.points[n.segment as usize].cut;
+            let all = || walk.iter().zip(&nears).map(|(v, &n)| self.place(v.0, n)).collect();
+            if nears.len() < walk.len() || nears.iter().any(|n| of(n) != cut) {
+                // Where the walk changes from one curve to another.
+                let count = nears.len();
+                let changes = (0..count).filter(|&i| of(&nears[i]) != of(&nears[(i + 1) % count]));
+                let places: Vec<Place> = changes.flat_map(|i| [i, (i + 1) % count]).map(|i| self.place(walk[i].0, nears[i])).collect();
+                let places = if places.is_empty() { all() } else { places };
+                return Err(Trouble::TooCoarse { what: "too coarse between two curves", places });
             }
             let length = self.track.tracks[cut as usize].length;
             let along = self.unwrap(&nears, length);
@@ -325,14 +339,15 @@ impl Cage<'_> {
             } else if rounds == 0.0 && self.drop_pocket(remains, h) {
                 // What hung on by nothing is gone.
             } else {
-                return Err(Trouble::TooCoarse { curves, what: "without a single rim", near: first });
+                return Err(Trouble::TooCoarse { what: "without a single rim", places: all() });
             }
         }
-        let missing = rims.iter().position(Option::is_none);
-        if let Some(c) = missing {
-            let segment = self.track.points.iter().position(|p| p.cut as usize == c).unwrap_or(0) as u32;
-            let near = Near { segment, part: 0.0, distance: 0.0 };
-            return Err(Trouble::TooCoarse { curves: vec![c as u32], what: "without a rim", near });
+        if let Some(c) = rims.iter().position(Option::is_none) {
+            let whole = self.track.tracks[c];
+            let segments = (whole.begin..whole.begin + whole.count).filter(|&s| self.track.points[s as usize].next != NONE);
+            let level = self.levels.iter().copied().max().unwrap_or(0);
+            let places = segments.map(|segment| Place { near: Near { segment, part: 0.0, distance: 0.0 }, level, size: 0.0 });
+            return Err(Trouble::TooCoarse { what: "without a rim", places: places.collect() });
         }
         Ok(rims.into_iter().flatten().collect())
     }
