@@ -155,6 +155,7 @@ fn refine_until_sound(
             Err(Trouble::Error(why)) => return Err(why),
             Err(Trouble::TooCoarse { what, places }) => (what, places),
         };
+        eprintln!("DEBUG try {tried}: {what}: {} places, level {}", places.len(), leaves.finest());
         let Some(first) = places.first().filter(|_| tried == options.tries) else {
             places.iter().for_each(|place| ask_for_finer(track, place, &mut least));
             continue;

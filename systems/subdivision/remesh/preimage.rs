@@ -51,9 +51,10 @@ pub struct TraceOptions {
     pub step: f64,
 }
 
-/// The cosine of the angle between neighbouring chords below which they follow the curve: 0.1
-/// radians. Chords that turn by `a` stand off by `a / 8` of their length, about 1 % here.
-const COS_TURN: f64 = 0.995;
+/// The cosine of the angle between neighbouring chords below which they follow the curve: 1/40 radian.
+/// Chords that turn by `a` stand off an arc of radius `r` by `r a^2 / 8`, here 8e-5 of it: less than a
+/// twentieth of a cage edge down to edges of `r / 600`, where walls of a few of them end.
+const COS_TURN: f64 = 0.999_687_516_276_041_7;
 
 /// Halvings of the first pieces: `2^-24` of the curve is below the resolution of any cage.
 const DEEPEST: u32 = 24;

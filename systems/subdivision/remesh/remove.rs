@@ -101,11 +101,36 @@ impl Cage<'_> {
                 *fate = Fate::Cut;
             }
         }
+        self.make_room_at_corners(&near, &mut fates);
         let mut remains = Remains { fates, loops: Vec::new(), near };
         self.flood(&mut remains)?;
         self.trim(&mut remains)?;
         remains.loops = self.rims(&mut remains)?;
         Ok(remains)
+    }
+
+    /// A corner of a curve may come near to the inside of an edge, whose ends are far enough.
+    fn make_room_at_corners(&self, near: &[Option<Near>], fates: &mut [Fate]) {
+        let corners: Vec<u32> = (0..self.track.points.len() as u32).filter(|&p| self.track.points[p as usize].corner).collect();
+        if corners.is_empty() {
+            return;
+        }
+        for (fate, triangle) in fates.iter_mut().zip(self.triangles).filter(|(fate, _)| **fate == Fate::Kept) {
+            let at = triangle.map(|v| self.limit[v as usize]);
+            let h = size(at);
+            let Some(own) = triangle.iter().find_map(|&v| near[v as usize].filter(|n| n.distance < 2.0 * h)) else { continue };
+            let too_near = |&p: &u32| {
+                let place = Near { segment: p, part: 0.0, distance: 0.0 };
+                let point = &self.track.points[p as usize];
+                // Other curves and other stretches may lie on the far side of a thin part.
+                point.cut == self.track.points[own.segment as usize].cut
+                    && self.track.distance_along(own, place) < APART * h
+                    && (0..3).any(|i| from_segment(point.position, at[i], at[(i + 1) % 3]) < self.margin * h)
+            };
+            if corners.iter().any(too_near) {
+                *fate = Fate::Cut;
+            }
+        }
     }
 
     /// The unit normal of the limit triangles around a vertex.
@@ -405,6 +430,14 @@ impl Cage<'_> {
         members.into_iter().for_each(|f| remains.fates[f] = Fate::Cut);
         true
     }
+}
+
+/// The distance of `x` from the segment `a b`.
+fn from_segment(x: DVec3, a: DVec3, b: DVec3) -> f64 {
+    let along = b - a;
+    let squared = along.length_squared();
+    let part = if squared > 0.0 { ((x - a).dot(along) / squared).clamp(0.0, 1.0) } else { 0.0 };
+    x.distance(a.lerp(b, part))
 }
 
 /// Two places of a rim that are farther apart along the curve than this many sizes of a triangle are
