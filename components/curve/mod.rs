@@ -49,30 +49,69 @@ fn difference<C: Curve + ?Sized>(curve: &C, u: f64) -> DVec3 {
 
 /// placeholder until parameters.rs lands
 #[derive(Clone, Debug)]
-pub struct CurveParameters { #[allow(missing_docs)] pub curve: std::sync::Arc<dyn Curve>, #[allow(missing_docs)] pub u: Vec<f64>, #[allow(missing_docs)] pub closed: bool, #[allow(missing_docs)] pub corners: Vec<usize> }
+pub struct CurveParameters {
+    #[allow(missing_docs)]
+    pub curve: std::sync::Arc<dyn Curve>,
+    #[allow(missing_docs)]
+    pub u: Vec<f64>,
+    #[allow(missing_docs)]
+    pub closed: bool,
+    #[allow(missing_docs)]
+    pub corners: Vec<usize>,
+}
 impl CurveParameters {
     #[allow(missing_docs)]
-    pub fn parameter(&self, l: u32, i: u64) -> f64 { self.at(l, i as i64) }
-    fn is_corner(&self, l: u32, i: i64) -> bool {
-        i % (1 << l) == 0 && ((!self.closed && (i == 0 || i == self.last(l))) || self.corners.binary_search(&((i >> l) as usize)).is_ok())
+    pub fn parameter(&self, l: u32, i: u64) -> f64 {
+        self.at(l, i as i64)
     }
-    fn last(&self, l: u32) -> i64 { (self.u.len() as i64 - i64::from(!self.closed)) << l }
+    fn is_corner(&self, l: u32, i: i64) -> bool {
+        i % (1 << l) == 0
+            && ((!self.closed && (i == 0 || i == self.last(l)))
+                || self.corners.binary_search(&((i >> l) as usize)).is_ok())
+    }
+    fn last(&self, l: u32) -> i64 {
+        (self.u.len() as i64 - i64::from(!self.closed)) << l
+    }
     fn at(&self, l: u32, i: i64) -> f64 {
         let n = self.last(l);
-        if self.closed && i < 0 { return self.at(l, i + n) - 1.0; }
-        if self.closed && i >= n { return self.at(l, i - n) + 1.0; }
-        if l == 0 { return self.u[i as usize]; }
+        if self.closed && i < 0 {
+            return self.at(l, i + n) - 1.0;
+        }
+        if self.closed && i >= n {
+            return self.at(l, i - n) + 1.0;
+        }
+        if l == 0 {
+            return self.u[i as usize];
+        }
         let k = i >> 1;
-        if i % 2 != 0 { return (self.at(l-1,k)+self.at(l-1,k+1))/2.0; }
-        if self.is_corner(l-1, k) { self.at(l-1,k) } else { ((self.at(l-1,k-1)+self.at(l-1,k+1))+6.0*self.at(l-1,k))/8.0 }
+        if i % 2 != 0 {
+            return (self.at(l - 1, k) + self.at(l - 1, k + 1)) / 2.0;
+        }
+        if self.is_corner(l - 1, k) {
+            self.at(l - 1, k)
+        } else {
+            ((self.at(l - 1, k - 1) + self.at(l - 1, k + 1)) + 6.0 * self.at(l - 1, k)) / 8.0
+        }
     }
     #[allow(missing_docs)]
-    pub fn sample(&self, l: u32, i: u64) -> DVec3 { let (mut l, mut i) = (l, i as i64); while l > 0 && i % 2 == 0 { l-=1; i/=2; }
+    pub fn sample(&self, l: u32, i: u64) -> DVec3 {
+        let (mut l, mut i) = (l, i as i64);
+        while l > 0 && i % 2 == 0 {
+            l -= 1;
+            i /= 2;
+        }
         let wrap = |u: f64| if self.closed { u - u.floor() } else { u };
-        if self.is_corner(l, i) { return self.curve.position(wrap(self.at(l,i))); }
-        self.curve.position(wrap(((self.at(l,i-1)+self.at(l,i+1))+4.0*self.at(l,i))/6.0)) }
+        if self.is_corner(l, i) {
+            return self.curve.position(wrap(self.at(l, i)));
+        }
+        self.curve.position(wrap(((self.at(l, i - 1) + self.at(l, i + 1)) + 4.0 * self.at(l, i)) / 6.0))
+    }
     #[allow(missing_docs)]
-    pub fn count(&self, l: u32) -> u64 { self.last(l) as u64 + u64::from(!self.closed) }
+    pub fn count(&self, l: u32) -> u64 {
+        self.last(l) as u64 + u64::from(!self.closed)
+    }
     #[allow(missing_docs)]
-    pub fn closed(&self) -> bool { self.closed }
+    pub fn closed(&self) -> bool {
+        self.closed
+    }
 }

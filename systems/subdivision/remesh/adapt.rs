@@ -31,11 +31,13 @@ pub struct AdaptOptions {
     pub base: u32,
     /// The finest level allowed.
     pub finest: u32,
+    /// The most faces that the cage may have.
+    pub most_faces: usize,
 }
 
 impl Default for AdaptOptions {
     fn default() -> Self {
-        Self { bend: 0.01, near: 1.2, pieces: 3.0, base: 0, finest: 12 }
+        Self { bend: 0.01, near: 1.2, pieces: 3.0, base: 0, finest: 12, most_faces: 1 << 22 }
     }
 }
 
@@ -43,7 +45,7 @@ impl Default for AdaptOptions {
 /// segment.
 ///
 /// # Errors
-/// [`RemeshError::TooFine`].
+/// [`RemeshError::TooFine`], [`RemeshError::TooManyFaces`].
 pub fn adapt(
     surface: &LoopSurface,
     corners: &CornerTable,
@@ -63,6 +65,10 @@ pub fn adapt(
     for level in options.base..deepest {
         for code in near(surface, corners, track, options, &leaves, level, &finest) {
             leaves.split(&surface.mesh, level, code);
+        }
+        let faces = surface.mesh.face_count() + 3 * leaves.split_count();
+        if faces > options.most_faces {
+            return Err(RemeshError::TooManyFaces { level: level + 1, faces, limit: options.most_faces });
         }
     }
     leaves.fill(&surface.mesh);

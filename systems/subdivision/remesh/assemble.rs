@@ -9,9 +9,7 @@ use glam::DVec3;
 use selvedge_components::curve::CurveParameters;
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
-use selvedge_components::subdivision::{
-    Address, Border, Details, Ends, FaceCode, Heading, LoopSurface, NONE, Side,
-};
+use selvedge_components::subdivision::{Address, Border, Details, Ends, FaceCode, Heading, LoopSurface, NONE, Side};
 
 use super::super::region;
 use super::super::relax::{Relaxed, curve_parameter};
@@ -90,7 +88,8 @@ pub struct Remeshed {
 
 impl Remeshed {
     /// `Omega^0 = N(T^0)`, where `T^0` are the faces around changed vertices: the faces whose limit
-    /// patch may differ from the source's. Beyond them it has the same bits.
+    /// patch may differ from the source's. Beyond them it has the same bits; where the whole cage was
+    /// refined for a small reach, it is the same up to rounding.
     /// [Litke et al. 2001, Section 3.3]
     pub fn omega(&self) -> Vec<FaceCode> {
         let mesh = &self.surface.mesh;
@@ -200,7 +199,8 @@ impl Parts {
             let begin = self.vertices.len() as u32;
             names.knots.push(begin);
             self.vertices.extend((0..strip.knots.len() as u32).map(|k| Vertex::Knot(s as u32, k)));
-            let renamed = Strip { rim: strip.rim.iter().map(|&v| names.lattice[v as usize]).collect(), ..strip.clone() };
+            let renamed =
+                Strip { rim: strip.rim.iter().map(|&v| names.lattice[v as usize]).collect(), ..strip.clone() };
             let triangles = renamed.triangles(|k| begin + k as u32);
             self.origins.extend(triangles.iter().map(|_| FaceOrigin::Strip { curve: strip.cut }));
             self.triangles.extend(triangles);
@@ -212,13 +212,14 @@ impl Parts {
     /// Vertices that the clean-up may give other edges: those of refined faces and of the rims, and
     /// their neighbours.
     fn flippable(&self, work: &Work<'_>, mesh: &Connectivity) -> Vec<bool> {
-        let base = 0;
         let touched = |v: usize| match self.vertices[v] {
             Vertex::Knot(..) => true,
-            Vertex::Lattice(l) => work.adapted.vertices[l as usize].birth > base,
+            Vertex::Lattice(l) => work.adapted.vertices[l as usize].birth > work.base,
         };
         let mut own: Vec<bool> = (0..self.vertices.len()).map(touched).collect();
-        for (triangle, _) in self.triangles.iter().zip(&self.origins).filter(|(_, o)| matches!(o, FaceOrigin::Strip { .. })) {
+        for (triangle, _) in
+            self.triangles.iter().zip(&self.origins).filter(|(_, o)| matches!(o, FaceOrigin::Strip { .. }))
+        {
             triangle.iter().for_each(|&v| own[v as usize] = true);
         }
         let near = |v: usize| own[v] || mesh.neighbours(VertexId::new(v)).any(|n| own[n.index()]);
@@ -385,7 +386,9 @@ fn old_side(work: &Work<'_>, side: &Side, of_root: &[u32], mesh: &Connectivity, 
     }
     let border = match &side.border {
         Border::Plain => Border::Plain,
-        Border::Given { curve, first, heading } => refined_border(work, side, curve, *first, *heading, &vertices, parts),
+        Border::Given { curve, first, heading } => {
+            refined_border(work, side, curve, *first, *heading, &vertices, parts)
+        }
     };
     Some(Side { vertices, ends: side.ends, border })
 }
@@ -490,13 +493,15 @@ fn details(work: &Work<'_>, parts: &Parts, names: &Names, mesh: &Connectivity) -
     }
     let unrefined = |v: VertexId| {
         let name = of_root[v.index()];
-        name != NONE && matches!(parts.vertices[name as usize], Vertex::Lattice(l) if work.adapted.vertices[l as usize].level == 0)
+        name != NONE
+            && matches!(parts.vertices[name as usize], Vertex::Lattice(l) if work.adapted.vertices[l as usize].level == 0)
     };
     let moved = |address: Address| match address {
         Address::Corner(v) => unrefined(v).then(|| Address::Corner(VertexId(of_root[v.index()]))),
         Address::Edge(e, steps) => {
             let h = source.mesh.halfedge(e);
-            let here = [Some(h), source.mesh.twin(h)].into_iter().flatten().find(|h| face_of[h.face().index()] != NONE)?;
+            let here =
+                [Some(h), source.mesh.twin(h)].into_iter().flatten().find(|h| face_of[h.face().index()] != NONE)?;
             // A kept face has its corners in the order it had, and the order of the vertices is kept.
             let now = HalfedgeId::of(FaceId(face_of[here.face().index()]), here.corner());
             Some(Address::Edge(mesh.edge(now), steps))
@@ -524,28 +529,21 @@ fn details(work: &Work<'_>, parts: &Parts, names: &Names, mesh: &Connectivity) -
     Details { levels }
 }
 
-/// The vertices whose ring is not the one they had in the source.
+/// The vertices whose ring is not the one they had in the source, at the level that the whole cage
+/// was brought to.
 fn changed(work: &Work<'_>, parts: &Parts, mesh: &Connectivity) -> Vec<VertexId> {
     let source = &work.surface.mesh;
-    let root_of = |v: VertexId| match parts.vertices[v.index()] {
-        Vertex::Lattice(l) => {
-            let v = &work.adapted.vertices[l as usize];
-            match v.address {
-                Address::Corner(root) if v.level == 0 => Some(root),
-                _ => None,
-            }
-        }
-        Vertex::Knot(..) => None,
+    let faces_then = |address: Address| match address {
+        Address::Corner(root) => source.ring(root).count(),
+        Address::Edge(e, _) if source.twin(source.halfedge(e)).is_none() => 3,
+        Address::Edge(..) | Address::Face(..) => 6,
     };
+    let is_whole =
+        |h: HalfedgeId| matches!(parts.origins[h.face().index()], FaceOrigin::Leaf { level, .. } if level == work.base);
     let same = |v: VertexId| {
-        let Some(root) = root_of(v) else { return false };
-        if mesh.is_border(v) != source.is_border(root) || mesh.valence(v) != source.valence(root) {
-            return false;
-        }
-        let now: Vec<Option<VertexId>> = mesh.neighbours(v).map(root_of).collect();
-        let then: Vec<VertexId> = source.neighbours(root).collect();
-        let turned = then.iter().position(|&n| Some(n) == now[0]);
-        turned.is_some_and(|t| now.iter().enumerate().all(|(i, &n)| n == Some(then[(t + i) % then.len()])))
+        let Vertex::Lattice(l) = parts.vertices[v.index()] else { return false };
+        let then = faces_then(work.adapted.vertices[l as usize].address);
+        mesh.ring(v).all(is_whole) && mesh.ring(v).count() == then
     };
     (0..mesh.vertex_count()).map(VertexId::new).filter(|&v| !same(v)).collect()
 }

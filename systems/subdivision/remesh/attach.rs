@@ -256,7 +256,13 @@ fn space_out(track: &Track, strip: &mut Strip) {
 fn smooth_round(along: &mut [f64], length: f64) {
     let n = along.len();
     let least = SMALLEST_GAP * length / n as f64;
-    let extended = |x: &[f64], i: usize| [x[(i + n - 1) % n] - if i == 0 { length } else { 0.0 }, x[i], x[(i + 1) % n] + if i + 1 == n { length } else { 0.0 }];
+    let extended = |x: &[f64], i: usize| {
+        [
+            x[(i + n - 1) % n] - if i == 0 { length } else { 0.0 },
+            x[i],
+            x[(i + 1) % n] + if i + 1 == n { length } else { 0.0 },
+        ]
+    };
     for _ in 0..ROUNDS {
         if (0..n).all(|i| extended(along, i)[2] - along[i] >= least) {
             return;

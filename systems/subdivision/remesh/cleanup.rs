@@ -27,7 +27,8 @@ pub fn clean_up(
 ) -> Vec<u32> {
     let mut changed = HashSet::new();
     for _ in 0..ROUNDS {
-        let mut valence: Vec<i64> = (0..mesh.vertex_count()).map(|v| i64::from(mesh.valence(VertexId::new(v)))).collect();
+        let mut valence: Vec<i64> =
+            (0..mesh.vertex_count()).map(|v| i64::from(mesh.valence(VertexId::new(v)))).collect();
         let mut busy = vec![false; triangles.len()];
         let mut made = HashSet::new();
         for e in (0..mesh.edge_count()).map(EdgeId::new) {

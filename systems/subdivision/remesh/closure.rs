@@ -175,7 +175,9 @@ fn place(
         }
     }
     match vertices.iter().position(|v| !(v.point.is_finite() && v.limit.is_finite())) {
-        Some(v) => Err(RemeshError::NotFinite { vertex: selvedge_components::mesh::VertexId::new(v), at: vertices[v].limit }),
+        Some(v) => {
+            Err(RemeshError::NotFinite { vertex: selvedge_components::mesh::VertexId::new(v), at: vertices[v].limit })
+        }
         None => Ok(()),
     }
 }

@@ -139,6 +139,24 @@ pub enum RemeshError {
         /// The point.
         at: DVec3,
     },
+    /// The cage would have more faces than it may.
+    #[error("the cage would have {faces} faces at level {level}, more than the {limit} allowed")]
+    TooManyFaces {
+        /// The level at which it passes the limit.
+        level: u32,
+        /// How many faces it would have.
+        faces: usize,
+        /// How many it may have.
+        limit: usize,
+    },
+    /// What lies on the left of a curve is taken away by another.
+    #[error("nothing stays on the left of curve {curve}: the part at {at} lies on the right of another curve")]
+    NothingOnLeft {
+        /// The curve, by index.
+        curve: usize,
+        /// A point of the part on its left.
+        at: DVec3,
+    },
     /// Two boundaries come too near to each other, or to a border, to be told apart at the finest
     /// level tried.
     #[error("the cage at {at} (curve {curve}, u = {u}) is still {what} after {tries} tries, the last at level {level}")]

@@ -43,10 +43,14 @@ impl Leaves {
         self.exists(level, code) && !self.is_split(level, code)
     }
 
+    /// How many faces are split, over all levels.
+    pub fn split_count(&self) -> usize {
+        self.split.iter().map(HashSet::len).sum()
+    }
+
     /// The split faces of `level`, ascending.
     pub fn split_at(&self, level: u32) -> Vec<FaceCode> {
-        let mut codes: Vec<_> =
-            self.split.get(level as usize).map_or_else(Vec::new, |s| s.iter().copied().collect());
+        let mut codes: Vec<_> = self.split.get(level as usize).map_or_else(Vec::new, |s| s.iter().copied().collect());
         codes.sort_unstable();
         codes
     }

@@ -19,6 +19,7 @@ pub mod assemble;
 pub mod attach;
 pub mod cleanup;
 pub mod closure;
+mod crossing;
 pub mod error;
 pub mod field;
 pub mod leaves;
@@ -78,13 +79,7 @@ pub struct RemeshOptions {
 
 impl Default for RemeshOptions {
     fn default() -> Self {
-        Self {
-            adapt: AdaptOptions::default(),
-            margin: 0.3,
-            relax: RelaxOptions::default(),
-            reach: None,
-            tries: 12,
-        }
+        Self { adapt: AdaptOptions::default(), margin: 0.3, relax: RelaxOptions::default(), reach: None, tries: 12 }
     }
 }
 
@@ -103,6 +98,10 @@ pub fn remesh(
     let corners = CornerTable::new(surface);
     let track = Track::new(&surface.mesh, cuts, preimages)
         .map_err(|(curve, source)| RemeshError::PreImage { curve, source })?;
+    crossing::check(&track).map_err(|source| {
+        let curve = if let PreImageError::Crossing { curves, .. } = &source { curves[0] } else { 0 };
+        RemeshError::PreImage { curve, source }
+    })?;
     let mut options = *options;
     let deepest = options.adapt.finest;
     loop {
@@ -115,17 +114,14 @@ pub fn remesh(
         if options.adapt.base == deepest {
             return Err(RemeshError::OutOfReach { distance, at, reach });
         }
-        // Each level of the whole cage halves the reach.
-        options.adapt.base += 1;
-        let faces = surface.mesh.face_count() as u64;
-        if faces << (2 * options.adapt.base) > MOST_FACES {
+        // Each level of the whole cage halves the reach. Details finer than its level would have no
+        // place on the new cage, so it is at least as fine as they are.
+        options.adapt.base = (options.adapt.base + 1).max(surface.details.depth().saturating_sub(1));
+        if surface.mesh.face_count() << (2 * options.adapt.base) > options.adapt.most_faces {
             return Err(RemeshError::OutOfReach { distance, at, reach });
         }
     }
 }
-
-/// The largest cage that a small reach may lead to.
-const MOST_FACES: u64 = 1 << 22;
 
 fn check(cuts: &[Cut], preimages: &[PreImage]) -> Result<(), RemeshError> {
     if cuts.is_empty() || preimages.len() != cuts.len() {
@@ -155,7 +151,6 @@ fn refine_until_sound(
             Err(Trouble::Error(why)) => return Err(why),
             Err(Trouble::TooCoarse { what, places }) => (what, places),
         };
-        eprintln!("DEBUG try {tried}: {what}: {} places, level {}", places.len(), leaves.finest());
         let Some(first) = places.first().filter(|_| tried == options.tries) else {
             places.iter().for_each(|place| ask_for_finer(track, place, &mut least));
             continue;
@@ -228,18 +223,19 @@ fn cut_once(
         })?);
     }
     let relaxed = strips.iter_mut().zip(cuts).map(|(strip, cut)| settle(strip, cut, &limit, options)).collect();
-    let work = Work { surface, cuts, track, leaves, adapted: &adapted, mesh: &mesh, remains: &remains, strips: &strips };
+    let base = options.adapt.base;
+    let work = Work { base, surface, cuts, track, leaves, adapted: &adapted, remains: &remains, strips: &strips };
     assemble::assemble(&work, relaxed)
 }
 
 /// All that the last stage reads.
 struct Work<'a> {
+    base: u32,
     surface: &'a LoopSurface,
     cuts: &'a [Cut],
     track: &'a Track,
     leaves: &'a Leaves,
     adapted: &'a Adapted,
-    mesh: &'a Connectivity,
     remains: &'a Remains,
     strips: &'a [attach::Strip],
 }

@@ -192,11 +192,8 @@ mod tests {
         let (legs, join) = connect(&mesh, a, b).expect("they meet");
         assert_eq!(join, Join::Straight);
         let plane = |p: &Leg, st: DVec2| {
-            let corners = if p.face == FaceId(0) {
-                [DVec2::ZERO, DVec2::X, DVec2::Y]
-            } else {
-                [DVec2::Y, DVec2::X, DVec2::ONE]
-            };
+            let corners =
+                if p.face == FaceId(0) { [DVec2::ZERO, DVec2::X, DVec2::Y] } else { [DVec2::Y, DVec2::X, DVec2::ONE] };
             let w = weights(st);
             corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2]
         };

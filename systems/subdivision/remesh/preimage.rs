@@ -135,20 +135,23 @@ impl Tracer<'_> {
         // Pieces still to be looked at, the first on top.
         let mut stack = vec![(a, b, 0)];
         while let Some((a, b, depth)) = stack.pop() {
-            let way = path::connect(self.mesh, a.at, b.at);
+            let way = path::connect(self.mesh, a.at, b.at).map(|(_, join)| join);
             let middle = self.at(0.5 * (a.u + b.u), Some(a.at))?;
-            if depth == DEEPEST || middle.u <= a.u || middle.u >= b.u {
-                if way.is_none() {
-                    let places = [a.at, b.at];
-                    return Err(PreImageError::Ambiguous { u: a.u, at: a.position, places });
-                }
-            } else if !(matches!(way, Some((_, Join::Straight))) && self.follows(&a, &middle, &b))
+            let spent = depth == DEEPEST || middle.u <= a.u || middle.u >= b.u;
+            let done = match way {
+                Some(Join::Straight) => self.follows(&a, &middle, &b),
                 // A bent way is as good as a straight one once it is too short to matter.
-                && !(way.is_some() && a.position.distance(b.position) < self.options.step / 256.0)
-            {
+                Some(Join::Bent) => a.position.distance(b.position) < self.options.step / 256.0,
+                None => false,
+            };
+            if !done && !spent {
                 stack.push((middle, b, depth + 1));
                 stack.push((a, middle, depth + 1));
                 continue;
+            }
+            if way.is_none() {
+                let places = [a.at, b.at];
+                return Err(PreImageError::Ambiguous { u: a.u, at: a.position, places });
             }
             if a.u > points[points.len() - 1].u {
                 points.push(a);

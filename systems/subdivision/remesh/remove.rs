@@ -111,14 +111,17 @@ impl Cage<'_> {
 
     /// A corner of a curve may come near to the inside of an edge, whose ends are far enough.
     fn make_room_at_corners(&self, near: &[Option<Near>], fates: &mut [Fate]) {
-        let corners: Vec<u32> = (0..self.track.points.len() as u32).filter(|&p| self.track.points[p as usize].corner).collect();
+        let corners: Vec<u32> =
+            (0..self.track.points.len() as u32).filter(|&p| self.track.points[p as usize].corner).collect();
         if corners.is_empty() {
             return;
         }
         for (fate, triangle) in fates.iter_mut().zip(self.triangles).filter(|(fate, _)| **fate == Fate::Kept) {
             let at = triangle.map(|v| self.limit[v as usize]);
             let h = size(at);
-            let Some(own) = triangle.iter().find_map(|&v| near[v as usize].filter(|n| n.distance < 2.0 * h)) else { continue };
+            let Some(own) = triangle.iter().find_map(|&v| near[v as usize].filter(|n| n.distance < 2.0 * h)) else {
+                continue;
+            };
             let too_near = |&p: &u32| {
                 let place = Near { segment: p, part: 0.0, distance: 0.0 };
                 let point = &self.track.points[p as usize];
@@ -157,6 +160,8 @@ impl Cage<'_> {
     fn flood(&self, remains: &mut Remains) -> Result<(), Trouble> {
         let mut part = vec![NONE; self.triangles.len()];
         let mut parts = 0;
+        // By curve, whether a part on its left stays, and a point of one that does not.
+        let mut served = vec![(false, None); self.track.tracks.len()];
         for seed in 0..self.triangles.len() {
             if part[seed] != NONE || remains.fates[seed] == Fate::Cut {
                 continue;
@@ -175,15 +180,24 @@ impl Cage<'_> {
                 }
             }
             parts += 1;
-            if self.lies_right(&members, remains)? {
+            let [left, right] = self.sides_of(&members, remains)?;
+            if !right.is_empty() {
                 members.iter().for_each(|&f| remains.fates[f] = Fate::Removed);
             }
+            for curve in left {
+                served[curve].0 |= right.is_empty();
+                served[curve].1 = Some(self.limit[self.triangles[seed][0] as usize]);
+            }
         }
-        if remains.fates.contains(&Fate::Kept) { Ok(()) } else { Err(Trouble::Error(RemeshError::NothingLeft)) }
+        if !remains.fates.contains(&Fate::Kept) {
+            return Err(Trouble::Error(RemeshError::NothingLeft));
+        }
+        let lost = served.iter().enumerate().find_map(|(curve, &(stays, at))| Some((curve, at?)).filter(|_| !stays));
+        lost.map_or(Ok(()), |(curve, at)| Err(Trouble::Error(RemeshError::NothingOnLeft { curve, at })))
     }
 
-    /// Does a part lie on the right of a curve?
-    fn lies_right(&self, members: &[usize], remains: &Remains) -> Result<bool, Trouble> {
+    /// The curves that have a part on their left, and those that have it on their right.
+    fn sides_of(&self, members: &[usize], remains: &Remains) -> Result<[Vec<usize>; 2], Trouble> {
         // Votes for left and right, by curve, and where the part is met.
         let mut votes = vec![[0_u32; 2]; self.track.tracks.len()];
         let mut place = None;
@@ -211,7 +225,7 @@ impl Cage<'_> {
                 return Err(Trouble::TooCoarse { what: "too coarse to tell left from right", places });
             }
         }
-        Ok(votes.iter().any(|v| v[1] > 0))
+        Ok([0, 1].map(|side| (0..votes.len()).filter(|&curve| votes[curve][side] > 0).collect()))
     }
 
     fn is_kept(&self, remains: &Remains, h: Option<HalfedgeId>) -> bool {
@@ -226,11 +240,14 @@ impl Cage<'_> {
     /// Drops triangles with two rim edges, and fans that hang on to the rest by a vertex.
     fn trim(&self, remains: &mut Remains) -> Result<(), Trouble> {
         let all = 0..self.triangles.len();
-        let mut todo: Vec<usize> = all.clone().filter(|&f| remains.fates[f] == Fate::Kept && self.touches_cut(remains, f)).collect();
+        let mut todo: Vec<usize> =
+            all.clone().filter(|&f| remains.fates[f] == Fate::Kept && self.touches_cut(remains, f)).collect();
         loop {
             // Each round drops a triangle or ends.
             while let Some(f) = todo.pop() {
-                let rims = |remains: &Remains| (0..3).filter(|&i| self.is_rim(remains, HalfedgeId::of(FaceId::new(f), i))).count();
+                let rims = |remains: &Remains| {
+                    (0..3).filter(|&i| self.is_rim(remains, HalfedgeId::of(FaceId::new(f), i))).count()
+                };
                 if remains.fates[f] == Fate::Kept && rims(remains) >= 2 {
                     self.drop_triangle(remains, f, &mut todo);
                 }
@@ -238,7 +255,9 @@ impl Cage<'_> {
             let pinched = self.pinches(remains);
             let mut places = Vec::new();
             for &v in &pinched {
-                if remains.fates[self.mesh.outgoing(v).face().index()] == Fate::Kept || self.kept_fans(remains, v).len() > 1 {
+                if remains.fates[self.mesh.outgoing(v).face().index()] == Fate::Kept
+                    || self.kept_fans(remains, v).len() > 1
+                {
                     places.extend(self.open_pinch(remains, v, &mut todo));
                 }
             }
@@ -322,7 +341,8 @@ impl Cage<'_> {
         if nears.iter().any(|(_, n)| cut(n) != cut(&nears[0].1)) {
             return places();
         }
-        let h = fans.iter().flatten().map(|&f| size(self.triangles[f].map(|v| self.limit[v as usize]))).fold(0.0, f64::max);
+        let h =
+            fans.iter().flatten().map(|&f| size(self.triangles[f].map(|v| self.limit[v as usize]))).fold(0.0, f64::max);
         let pairs = nears.iter().flat_map(|a| nears.iter().map(|b| self.track.distance_along(a.1, b.1)));
         if pairs.fold(0.0, f64::max) > APART * h {
             return places();
@@ -351,7 +371,8 @@ impl Cage<'_> {
                 // Where the walk changes from one curve to another.
                 let count = nears.len();
                 let changes = (0..count).filter(|&i| of(&nears[i]) != of(&nears[(i + 1) % count]));
-                let places: Vec<Place> = changes.flat_map(|i| [i, (i + 1) % count]).map(|i| self.place(walk[i].0, nears[i])).collect();
+                let places: Vec<Place> =
+                    changes.flat_map(|i| [i, (i + 1) % count]).map(|i| self.place(walk[i].0, nears[i])).collect();
                 let places = if places.is_empty() { all() } else { places };
                 return Err(Trouble::TooCoarse { what: "too coarse between two curves", places });
             }
@@ -369,9 +390,11 @@ impl Cage<'_> {
         }
         if let Some(c) = rims.iter().position(Option::is_none) {
             let whole = self.track.tracks[c];
-            let segments = (whole.begin..whole.begin + whole.count).filter(|&s| self.track.points[s as usize].next != NONE);
+            let segments =
+                (whole.begin..whole.begin + whole.count).filter(|&s| self.track.points[s as usize].next != NONE);
             let level = self.levels.iter().copied().max().unwrap_or(0);
-            let places = segments.map(|segment| Place { near: Near { segment, part: 0.0, distance: 0.0 }, level, size: 0.0 });
+            let places =
+                segments.map(|segment| Place { near: Near { segment, part: 0.0, distance: 0.0 }, level, size: 0.0 });
             return Err(Trouble::TooCoarse { what: "without a rim", places: places.collect() });
         }
         Ok(rims.into_iter().flatten().collect())

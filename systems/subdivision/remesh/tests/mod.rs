@@ -1,7 +1,11 @@
 //! What a remeshed cage must be, over many surfaces and curves.
 
+#![allow(clippy::print_stdout, reason = "the tables are for reading")]
+
+mod bores;
+mod closed;
+mod draw;
+mod judge;
+mod refusals;
 mod shapes;
 mod support;
-mod draw;
-mod bores;
-mod judge;

@@ -20,7 +20,12 @@ fn plate(n: u32) -> (LoopSurface, Arc<Walker>) {
     (plate, walker)
 }
 
-fn cut_with(walker: &Arc<Walker>, plane: impl Fn(f64) -> DVec2 + Send + Sync + 'static, corners: Vec<f64>, heading: Heading) -> Cut {
+fn cut_with(
+    walker: &Arc<Walker>,
+    plane: impl Fn(f64) -> DVec2 + Send + Sync + 'static,
+    corners: Vec<f64>,
+    heading: Heading,
+) -> Cut {
     Cut { curve: Arc::new(OnPlate { walker: Arc::clone(walker), plane, corners }), heading }
 }
 
@@ -73,8 +78,14 @@ fn the_disc_that_a_bore_takes_away_is_the_other_side() {
 fn corners_are_regular_in_the_lattice() {
     let (plate, walker) = plate(12);
     for (name, points) in [
-        ("square", vec![DVec2::new(0.08, 0.07), DVec2::new(0.09, -0.06), DVec2::new(-0.07, -0.08), DVec2::new(-0.08, 0.09)]),
-        ("small", vec![DVec2::new(0.02, 0.01), DVec2::new(0.02, -0.01), DVec2::new(-0.01, -0.01), DVec2::new(-0.01, 0.01)]),
+        (
+            "square",
+            vec![DVec2::new(0.08, 0.07), DVec2::new(0.09, -0.06), DVec2::new(-0.07, -0.08), DVec2::new(-0.08, 0.09)],
+        ),
+        (
+            "small",
+            vec![DVec2::new(0.02, 0.01), DVec2::new(0.02, -0.01), DVec2::new(-0.01, -0.01), DVec2::new(-0.01, 0.01)],
+        ),
         ("star", star(5, 0.05, 0.12, 0.3)),
         ("sharp", star(5, 0.03, 0.13, 0.3)),
         ("needle", vec![DVec2::new(0.13, 0.0), DVec2::new(-0.1, -0.02), DVec2::new(-0.1, 0.02)]),
@@ -139,7 +150,10 @@ fn random_polygons_leave_a_sound_cage() {
         match cut_out(&plate, &walker, &cuts) {
             Ok(result) => {
                 let verdict = judge(&plate, &cuts, &result);
-                println!("{case}: {tips} {inner:.3} {outer:.3} valence {} shape {:.4}", verdict.most_valence, verdict.worst_shape);
+                println!(
+                    "{case}: {tips} {inner:.3} {outer:.3} valence {} shape {:.4}",
+                    verdict.most_valence, verdict.worst_shape
+                );
                 if verdict.worst_shape < 0.005 || verdict.most_valence > 10 {
                     picture(&format!("polygon{case}.svg"), &result);
                 }

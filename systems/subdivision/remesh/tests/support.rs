@@ -51,7 +51,11 @@ pub fn plate8() -> LoopSurface {
     let text = include_str!("../../../../data/plates/plate8.obj");
     let rows = |tag: &str| -> Vec<[f64; 3]> {
         let lines = text.lines().filter_map(|l| l.strip_prefix(tag));
-        lines.map(|l| core::array::from_fn(|i| l.split_whitespace().nth(i).and_then(|w| w.parse().ok()).expect("a number"))).collect()
+        lines
+            .map(|l| {
+                core::array::from_fn(|i| l.split_whitespace().nth(i).and_then(|w| w.parse().ok()).expect("a number"))
+            })
+            .collect()
     };
     let points = rows("v ").into_iter().map(DVec3::from_array).collect();
     let faces: Vec<[u32; 3]> = rows("f ").into_iter().map(|f| f.map(|v| v as u32 - 1)).collect();
@@ -83,7 +87,8 @@ pub fn globe(n: u32, rows: u32) -> LoopSurface {
 
 /// A torus of `n` by `m` squares, cut by their diagonals.
 pub fn torus(n: u32, m: u32) -> LoopSurface {
-    let points = (0..n).flat_map(|i| (0..m).map(move |j| (TAU * f64::from(i) / f64::from(n), TAU * f64::from(j) / f64::from(m))));
+    let points = (0..n)
+        .flat_map(|i| (0..m).map(move |j| (TAU * f64::from(i) / f64::from(n), TAU * f64::from(j) / f64::from(m))));
     let points = points.map(|(a, b)| {
         let r = 1.0 + 0.4 * b.cos();
         DVec3::new(r * a.cos(), r * a.sin(), 0.4 * b.sin())
@@ -125,6 +130,10 @@ impl Walker {
 
     pub fn position(&self, at: SurfacePoint) -> DVec3 {
         self.surface.position(at)
+    }
+
+    pub fn normal(&self, at: SurfacePoint) -> DVec3 {
+        self.surface.normal(at)
     }
 
     fn walk(&self, to: DVec3, mut at: SurfacePoint) -> (DVec3, SurfacePoint) {
