@@ -6,17 +6,16 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use selvedge_components::curve::CurveParameters;
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
-use selvedge_components::subdivision::{Address, Border, Details, Ends, FaceCode, Heading, LoopSurface, NONE, Side};
+use selvedge_components::subdivision::{Address, Details, FaceCode, LoopSurface, NONE};
 
 use super::super::region;
 use super::super::relax::{Relaxed, curve_parameter};
-use super::attach::{KnotKind, Strip};
+use super::attach::Strip;
 use super::closure::{Part, Piece, at_level};
 use super::remove::{Fate, Trouble};
-use super::{Work, cleanup, manifold};
+use super::{Work, cleanup, manifold, sides};
 
 /// Where a vertex of the new cage came from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,14 +112,18 @@ pub(super) fn assemble(work: &Work<'_>, relaxed: Vec<Relaxed>) -> Result<Remeshe
         }
     }
     let mesh = Arc::new(manifold(vertex_count, &parts.triangles)?);
+    let sides = sides::sides(work, &parts, &mesh);
+    let mut changed = changed(work, &parts, &mesh);
+    changed.extend(&sides.touched);
+    changed.sort_unstable();
+    changed.dedup();
     let surface = LoopSurface {
         points: parts.points(work),
-        sides: sides(work, &parts, &names, &mesh),
         corner_rule: work.surface.corner_rule,
-        details: details(work, &parts, &names, &mesh),
+        details: details(work, &parts, &names, &mesh, sides.details),
+        sides: sides.sides,
         mesh,
     };
-    let changed = changed(work, &parts, &surface.mesh);
     Ok(Remeshed {
         natural: parts.vertices.iter().map(|&v| natural(work, v)).collect(),
         vertex_origin: parts.vertices.iter().map(|&v| origin(work, v)).collect(),
@@ -136,7 +139,7 @@ pub(super) fn assemble(work: &Work<'_>, relaxed: Vec<Relaxed>) -> Result<Remeshe
 
 /// A vertex of the new cage, before it has its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Vertex {
+pub(super) enum Vertex {
     /// A vertex of the adapted cage.
     Lattice(u32),
     /// A knot of a strip.
@@ -144,11 +147,11 @@ enum Vertex {
 }
 
 /// The new cage on its way.
-struct Parts {
+pub(super) struct Parts {
     triangles: Vec<[u32; 3]>,
     origins: Vec<FaceOrigin>,
-    vertices: Vec<Vertex>,
-    limit: Vec<DVec3>,
+    pub vertices: Vec<Vertex>,
+    pub limit: Vec<DVec3>,
 }
 
 /// The number of the adapted cage's vertices in the new one, or [`NONE`].
@@ -244,7 +247,7 @@ impl Parts {
 }
 
 /// The travel of a knot as the curve's own parameter.
-fn knot_parameter(work: &Work<'_>, strip: u32, knot: u32) -> f64 {
+pub(super) fn knot_parameter(work: &Work<'_>, strip: u32, knot: u32) -> f64 {
     let strip = &work.strips[strip as usize];
     let cut = &work.cuts[strip.cut as usize];
     curve_parameter(&*cut.curve, cut.heading, strip.knots[knot as usize].t)
@@ -269,18 +272,10 @@ fn origin(work: &Work<'_>, vertex: Vertex) -> VertexOrigin {
             }
         }
         Vertex::Knot(s, k) => {
-            let order = canonical_order(work, s);
-            let index = order.iter().position(|&o| o == k).unwrap_or(0) as u32;
+            let index = work.parameters[s as usize].1[k as usize] as u32;
             VertexOrigin::OnCurve { curve: work.strips[s as usize].cut, index }
         }
     }
-}
-
-/// The knots of a strip by rising curve parameter.
-fn canonical_order(work: &Work<'_>, strip: u32) -> Vec<u32> {
-    let mut order: Vec<u32> = (0..work.strips[strip as usize].knots.len() as u32).collect();
-    order.sort_by(|&a, &b| knot_parameter(work, strip, a).total_cmp(&knot_parameter(work, strip, b)));
-    order
 }
 
 fn natural(work: &Work<'_>, vertex: Vertex) -> SurfacePoint {
@@ -333,19 +328,6 @@ fn fates(work: &Work<'_>) -> Vec<(u32, FaceCode, Fate)> {
     fates
 }
 
-/// The source's sides that are left, with the vertices that have come in between, and the new ones.
-fn sides(work: &Work<'_>, parts: &Parts, names: &Names, mesh: &Connectivity) -> Vec<Side> {
-    let mut sides = Vec::new();
-    let root_name = root_names(work, parts);
-    for side in &work.surface.sides {
-        sides.extend(old_side(work, side, &root_name, mesh, parts));
-    }
-    for (s, strip) in work.strips.iter().enumerate() {
-        sides.extend(new_sides(work, s as u32, strip, names.knots[s]));
-    }
-    sides
-}
-
 /// The new number of every vertex of the source, or [`NONE`].
 fn root_names(work: &Work<'_>, parts: &Parts) -> Vec<u32> {
     let mut of_root = vec![NONE; work.surface.mesh.vertex_count()];
@@ -359,130 +341,15 @@ fn root_names(work: &Work<'_>, parts: &Parts) -> Vec<u32> {
     of_root
 }
 
-/// A side of the source as it is now; `None` if it is gone. Curves that cut a border are refused
-/// before, so a side is here whole or not at all.
-fn old_side(work: &Work<'_>, side: &Side, of_root: &[u32], mesh: &Connectivity, parts: &Parts) -> Option<Side> {
-    let first = of_root[side.vertices[0].index()];
-    if first == NONE {
-        return None;
-    }
-    let last = match side.ends {
-        Ends::Corners => side.vertices.last().map(|v| of_root[v.index()])?,
-        Ends::Closed => first,
-    };
-    let mut vertices = vec![VertexId(first)];
-    loop {
-        let v = mesh.to(mesh.outgoing(*vertices.last()?));
-        if v.0 == last {
-            if side.ends == Ends::Corners {
-                vertices.push(v);
-            }
-            break;
-        }
-        vertices.push(v);
-    }
-    if vertices.len() == side.vertices.len() {
-        return Some(Side { vertices, ..side.clone() });
-    }
-    let border = match &side.border {
-        Border::Plain => Border::Plain,
-        Border::Given { curve, first, heading } => {
-            refined_border(work, side, curve, *first, *heading, &vertices, parts)
-        }
-    };
-    Some(Side { vertices, ends: side.ends, border })
-}
-
-/// The border of a given side some of whose edges are split: the same curve with the parameters that
-/// its own hierarchy has at the levels of the vertices.
-fn refined_border(
-    work: &Work<'_>,
-    side: &Side,
-    curve: &CurveParameters,
-    _first: u64,
-    heading: Heading,
-    vertices: &[VertexId],
-    parts: &Parts,
-) -> Border {
-    let mut steps = 0_u64;
-    let mut u: Vec<f64> = Vec::with_capacity(vertices.len());
-    for v in vertices {
-        let Vertex::Lattice(l) = parts.vertices[v.index()] else { continue };
-        let lattice = &work.adapted.vertices[l as usize];
-        let (level, step) = match lattice.address {
-            Address::Corner(_) => {
-                let step = steps;
-                steps += 1;
-                (lattice.level, step << lattice.level)
-            }
-            Address::Edge(e, at) => {
-                let mesh = &work.surface.mesh;
-                let h = mesh.halfedge(e);
-                let forward = mesh.from(h) < mesh.to(h);
-                let at = u64::from(at) << (lattice.level - lattice.birth);
-                let within = if forward { at } else { (1 << lattice.level) - at };
-                // On the root edge that the last root vertex begins.
-                (lattice.level, ((steps - 1) << lattice.level) + within)
-            }
-            Address::Face(..) => continue,
-        };
-        if let Some(index) = side.curve_index(level, step) {
-            u.push(curve.parameter(level, index));
-        }
-    }
-    if heading == Heading::Against {
-        u.reverse();
-    }
-    // Canonical: from the smallest parameter on.
-    let smallest = (0..u.len()).min_by(|&a, &b| u[a].total_cmp(&u[b])).unwrap_or(0);
-    let mut first = 0;
-    if curve.closed() && side.ends == Ends::Closed {
-        u.rotate_left(smallest);
-        let count = u.len();
-        let own = (count - smallest) % count;
-        first = if heading == Heading::Along { own } else { (own + count - 1) % count };
-    } else if heading == Heading::Against {
-        first = u.len() - 1;
-    }
-    let parameters = CurveParameters {
-        curve: Arc::clone(&curve.curve),
-        u,
-        closed: curve.closed() && side.ends == Ends::Closed,
-        corners: Vec::new(),
-    };
-    Border::Given { curve: Arc::new(parameters), first: first as u64, heading }
-}
-
-/// The sides along a cut: one that runs round, or one from corner to corner.
-fn new_sides(work: &Work<'_>, s: u32, strip: &Strip, begin: u32) -> Vec<Side> {
-    let cut = &work.cuts[strip.cut as usize];
-    let n = strip.knots.len();
-    let order = canonical_order(work, s);
-    let mut index = vec![0_u64; n];
-    order.iter().enumerate().for_each(|(i, &k)| index[k as usize] = i as u64);
-    let is_corner = |k: usize| strip.knots[k].kind != KnotKind::Smooth;
-    let parameters = Arc::new(CurveParameters {
-        curve: Arc::clone(&cut.curve),
-        u: order.iter().map(|&k| knot_parameter(work, s, k)).collect(),
-        closed: true,
-        corners: (0..n).filter(|&i| is_corner(order[i] as usize)).collect(),
-    });
-    let name = |k: usize| VertexId(begin + (k % n) as u32);
-    let border = |k: usize| Border::Given { curve: Arc::clone(&parameters), first: index[k], heading: cut.heading };
-    let corners: Vec<usize> = (0..n).filter(|&k| is_corner(k)).collect();
-    if corners.is_empty() {
-        return vec![Side { vertices: (0..n).map(name).collect(), ends: Ends::Closed, border: border(0) }];
-    }
-    let piece = |(i, &from): (usize, &usize)| {
-        let to = corners.get(i + 1).map_or(corners[0] + n, |&to| to);
-        Side { vertices: (from..=to).map(name).collect(), ends: Ends::Corners, border: border(from) }
-    };
-    corners.iter().enumerate().map(piece).collect()
-}
-
 /// The details that still have their place: at root vertices, edges and faces that are here as they
 /// were; and the boundary details of finer vertices on given borders.
-fn details(work: &Work<'_>, parts: &Parts, names: &Names, mesh: &Connectivity) -> Details {
+fn details(
+    work: &Work<'_>,
+    parts: &Parts,
+    names: &Names,
+    mesh: &Connectivity,
+    on_sides: Vec<(VertexId, DVec3)>,
+) -> Details {
     let source = work.surface;
     let of_root = root_names(work, parts);
     let mut face_of = vec![NONE; source.mesh.face_count()];
@@ -519,11 +386,14 @@ fn details(work: &Work<'_>, parts: &Parts, names: &Names, mesh: &Connectivity) -
         .filter(|(v, name)| **name != NONE && v.level > 0 && v.detail != DVec3::ZERO)
         .map(|(v, &name)| (Address::Corner(VertexId(name)), v.detail))
         .collect();
-    if !boundary.is_empty() {
+    if !boundary.is_empty() || !on_sides.is_empty() {
         if levels.is_empty() {
             levels.push(Vec::new());
         }
+        // A vertex of a plain side that is given now has no detail of another kind.
+        levels[0].retain(|d| !on_sides.iter().any(|(v, _)| d.0 == Address::Corner(*v)));
         levels[0].extend(boundary);
+        levels[0].extend(on_sides.into_iter().map(|(v, d)| (Address::Corner(v), d)));
     }
     levels.iter_mut().for_each(|level| level.sort_unstable_by_key(|d| d.0));
     Details { levels }

@@ -26,6 +26,7 @@ pub mod leaves;
 pub mod path;
 pub mod preimage;
 pub mod remove;
+mod sides;
 pub mod track;
 
 #[cfg(test)]
@@ -35,7 +36,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::DVec3;
-use selvedge_components::curve::Curve;
+use selvedge_components::curve::{Curve, CurveParameters};
 use selvedge_components::mesh::Connectivity;
 use selvedge_components::subdivision::{CornerTable, Heading, LoopSurface, NONE};
 
@@ -224,7 +225,18 @@ fn cut_once(
     }
     let relaxed = strips.iter_mut().zip(cuts).map(|(strip, cut)| settle(strip, cut, &limit, options)).collect();
     let base = options.adapt.base;
-    let work = Work { base, surface, cuts, track, leaves, adapted: &adapted, remains: &remains, strips: &strips };
+    let mut work = Work {
+        base,
+        surface,
+        cuts,
+        track,
+        leaves,
+        adapted: &adapted,
+        remains: &remains,
+        strips: &strips,
+        parameters: Vec::new(),
+    };
+    work.parameters = (0..strips.len() as u32).map(|s| sides::strip_parameters(&work, s)).collect();
     assemble::assemble(&work, relaxed)
 }
 
@@ -238,6 +250,8 @@ struct Work<'a> {
     adapted: &'a Adapted,
     remains: &'a Remains,
     strips: &'a [attach::Strip],
+    /// By strip: the parameters of its knots, and the index of each knot in them.
+    parameters: Vec<(Arc<CurveParameters>, Vec<u64>)>,
 }
 
 fn manifold(vertices: usize, triangles: &[[u32; 3]]) -> Result<Connectivity, Trouble> {

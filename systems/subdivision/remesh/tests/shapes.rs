@@ -3,12 +3,13 @@
 use core::f64::consts::TAU;
 use std::sync::Arc;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use selvedge_components::subdivision::{Heading, LoopSurface};
 
 use super::super::*;
 use super::judge::{Verdict, judge, picture};
-use super::support::{Numbers, OnPlate, Walker, circle, lattice, polygon};
+use super::support::{Laid, Numbers, OnPlate, Walker, circle, lattice, polygon};
+use crate::target::Target;
 
 fn wave(x: f64, y: f64) -> f64 {
     0.006 * (17.0 * x).cos() * (14.0 * y).cos()
@@ -49,7 +50,7 @@ fn sound(name: &str, plate: &LoopSurface, walker: &Walker, cuts: &[Cut]) -> (Rem
 fn star(n: usize, inner: f64, outer: f64, turn: f64) -> Vec<DVec2> {
     let at = |k: usize| {
         let (s, c) = (turn - TAU * k as f64 / (2 * n) as f64).sin_cos();
-        if k % 2 == 0 { outer * DVec2::new(c, s) } else { inner * DVec2::new(c, s) }
+        if k.is_multiple_of(2) { outer * DVec2::new(c, s) } else { inner * DVec2::new(c, s) }
     };
     (0..2 * n).map(at).collect()
 }
@@ -162,4 +163,62 @@ fn random_polygons_leave_a_sound_cage() {
         }
     }
     assert!(failed.is_empty(), "{} of {count} failed\n{}", failed.len(), failed.join("\n"));
+}
+
+#[test]
+fn a_curved_border_that_is_refined_keeps_its_shape() {
+    use selvedge_components::subdivision::Border;
+    // A globe without its south pole has one round border.
+    let globe = super::support::globe(9, 7);
+    let faces: Vec<[u32; 3]> = globe.mesh.faces().iter().map(|f| f.map(|v| v.0)).collect();
+    let kept: Vec<[u32; 3]> = faces.into_iter().filter(|f| !f.contains(&1)).collect();
+    let renamed: Vec<[u32; 3]> = kept.iter().map(|f| f.map(|v| if v > 1 { v - 1 } else { v })).collect();
+    let mut points = globe.points.clone();
+    points.remove(1);
+    let bowl = super::support::surface(points, &renamed, &[]);
+    let walker = Arc::new(Walker::new(&bowl));
+    let centre = walker.closest(DVec3::new(0.4, 0.1, -0.6), None).expect("a foot").position;
+    let normal = centre.normalize();
+    let x = normal.any_orthonormal_vector();
+    let y = normal.cross(x);
+    let curve =
+        Laid { walker: Arc::clone(&walker), plane: circle(DVec2::ZERO, 0.08), centre, x, y, corners: Vec::new() };
+    let cuts = [Cut { curve: Arc::new(curve), heading: Heading::Along }];
+    let options = TraceOptions { curve: 1e-6, step: 0.05 };
+    let image = trace(&bowl.mesh, &*walker, &*cuts[0].curve, options).expect("a pre-image");
+    let result = remesh(&bowl, &cuts, &[image], &RemeshOptions::default()).expect("a cage");
+    judge(&bowl, &cuts, &result);
+    let side = &result.surface.sides[0];
+    let Border::Given { curve, .. } = &side.border else { panic!("the border is given now") };
+    assert!(side.vertices.len() > bowl.sides[0].vertices.len());
+    for i in 0..curve.count(3) {
+        let x = curve.sample(3, i);
+        // The walk may stop at a corner between two border edges: it is begun on each of them.
+        let starts = bowl.sides[0].vertices.iter().map(|&v| {
+            let h = bowl.mesh.outgoing(v);
+            path::corner(h.corner()).midpoint(path::corner(h.next().corner())).extend(f64::from(h.face().0))
+        });
+        let feet = starts.map(|s| {
+            let hint = selvedge_components::evaluate::SurfacePoint::new(
+                selvedge_components::mesh::FaceId(s.z as u32),
+                s.x,
+                s.y,
+            );
+            walker.closest(x, Some(hint)).expect("a foot").position.distance(x)
+        });
+        assert!(feet.fold(f64::INFINITY, f64::min) < 1e-14);
+    }
+    // The effective points are the source's.
+    for (v, origin) in result.vertex_origin.iter().enumerate() {
+        if let VertexOrigin::Root(root) = origin {
+            let address =
+                selvedge_components::subdivision::Address::Corner(selvedge_components::mesh::VertexId::new(v));
+            let d = result.surface.details.at(0, address);
+            let index = side.vertices.iter().position(|w| w.index() == v);
+            let Some(sample) = index.and_then(|i| side.curve_index(0, i as u64)).map(|i| curve.sample(0, i)) else {
+                continue;
+            };
+            assert!((sample - d).distance(bowl.points[root.index()]) < 1e-14);
+        }
+    }
 }
