@@ -100,7 +100,7 @@ impl CurveParameters {
             l -= 1;
             i /= 2;
         }
-        let wrap = |u: f64| if self.closed { u - u.floor() } else { u };
+        let wrap = |u: f64| if self.curve.closed() { u - u.floor() } else { u };
         if self.is_corner(l, i) {
             return self.curve.position(wrap(self.at(l, i)));
         }

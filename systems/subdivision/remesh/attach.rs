@@ -37,6 +37,9 @@ pub enum KnotKind {
     Convex,
     /// The curve turns to the right: an interior angle above pi.
     Concave,
+    /// The curve ends there on a border, in a corner of an interior angle below pi. It sees one edge
+    /// of the rim, whose end is its neighbour along the border.
+    End,
 }
 
 impl KnotKind {
@@ -44,14 +47,17 @@ impl KnotKind {
     pub const fn span(self) -> u32 {
         match self {
             Self::Convex => 0,
-            Self::Smooth => 1,
+            Self::Smooth | Self::End => 1,
             Self::Concave => 2,
         }
     }
 
     /// How many edges meet there.
     pub const fn valence(self) -> u32 {
-        self.span() + 3
+        match self {
+            Self::End => 3,
+            other => other.span() + 3,
+        }
     }
 }
 
@@ -64,6 +70,8 @@ pub struct Strip {
     pub rim: Vec<u32>,
     /// The knots.
     pub knots: Vec<Knot>,
+    /// Does it run round?
+    pub closed: bool,
 }
 
 impl Strip {
@@ -75,7 +83,9 @@ impl Strip {
         for (i, knot) in self.knots.iter().enumerate() {
             let last = knot.first + knot.kind.span();
             triangles.extend((knot.first..last).map(|j| [q(j + 1), q(j), name(i)]));
-            triangles.push([q(last), name(i), name((i + 1) % self.knots.len())]);
+            if self.closed || i + 1 < self.knots.len() {
+                triangles.push([q(last), name(i), name((i + 1) % self.knots.len())]);
+            }
         }
         triangles
     }
@@ -107,9 +117,18 @@ pub fn attach(track: &Track, cut: u32, rim: &Rim, limit: impl Fn(u32) -> (DVec3,
         .map(|p| corner(track, p, rim, &limit))
         .collect();
     corners.sort_by_key(|c| c.nearest);
-    let mut knots = if corners.is_empty() { plain_knots(m) } else { knots_between(track, cut, &corners, m)? };
+    if !rim.closed {
+        let end = |along, nearest| Corner { along, nearest, kind: KnotKind::End };
+        if m < 3 {
+            return Err(track.place(cut, 0.0));
+        }
+        corners.insert(0, end(0.0, 0));
+        corners.push(end(whole.length, m - 2));
+    }
+    let mut knots =
+        if corners.is_empty() { plain_knots(m) } else { knots_between(track, cut, &corners, m, rim.closed)? };
     first_guess(track, cut, rim, &limit, &mut knots, &corners);
-    let mut strip = Strip { cut, rim: rim.vertices.clone(), knots };
+    let mut strip = Strip { cut, rim: rim.vertices.clone(), knots, closed: rim.closed };
     space_out(track, &mut strip);
     Ok(strip)
 }
@@ -125,7 +144,7 @@ fn corner(track: &Track, p: u32, rim: &Rim, limit: &impl Fn(u32) -> (DVec3, DVec
     // is asked, a quarter of it to either side at most.
     let apart = |i: usize| {
         let d = rim.along[i] - point.along;
-        (d - (d / length).round() * length).abs()
+        if rim.closed { (d - (d / length).round() * length).abs() } else { d.abs() }
     };
     let unit = |s: u32| {
         let (a, b) = track.ends(s);
@@ -147,7 +166,8 @@ fn corner(track: &Track, p: u32, rim: &Rim, limit: &impl Fn(u32) -> (DVec3, DVec
     let turn = before.cross(after).dot(normal);
     let kind = if turn < 0.0 { KnotKind::Concave } else { KnotKind::Convex };
     // How far round the rim has come there.
-    let along = point.along + ((rim.along[nearest] - point.along) / length).round() * length;
+    let rounds = if rim.closed { ((rim.along[nearest] - point.along) / length).round() } else { 0.0 };
+    let along = point.along + rounds * length;
     Corner { along, nearest, kind }
 }
 
@@ -157,7 +177,7 @@ fn corner(track: &Track, p: u32, rim: &Rim, limit: &impl Fn(u32) -> (DVec3, DVec
 const CORNER_REACH: f64 = 2.5;
 
 /// Corners where they are, and smooth knots on the rim edges between.
-fn knots_between(track: &Track, cut: u32, corners: &[Corner], m: usize) -> Result<Vec<Knot>, Near> {
+fn knots_between(track: &Track, cut: u32, corners: &[Corner], m: usize, closed: bool) -> Result<Vec<Knot>, Near> {
     // The rim vertices at which a corner's share begins and ends.
     let begin = |c: &Corner| if c.kind == KnotKind::Concave { c.nearest as i64 - 1 } else { c.nearest as i64 };
     let mut knots = Vec::new();
@@ -166,6 +186,9 @@ fn knots_between(track: &Track, cut: u32, corners: &[Corner], m: usize) -> Resul
         let round = if k + 1 == corners.len() { m as i64 } else { 0 };
         let first = begin(c);
         knots.push(Knot { t: 0.0, kind: c.kind, first: (first + m as i64) as u32 });
+        if !closed && k + 1 == corners.len() {
+            break;
+        }
         let from = first + i64::from(c.kind.span());
         let to = begin(next) + round;
         if to - from < FEWEST {
@@ -204,7 +227,8 @@ fn first_guess(
         };
         // The nearest place may have been counted from another round of the curve.
         let reference = if last.is_finite() { last } else { near };
-        knot.t = near - ((near - reference) / length).round() * length;
+        let rounds = if rim.closed { ((near - reference) / length).round() } else { 0.0 };
+        knot.t = near - rounds * length;
         last = knot.t;
     }
 }

@@ -43,7 +43,7 @@ use selvedge_components::subdivision::{CornerTable, Heading, LoopSurface, NONE};
 pub use adapt::AdaptOptions;
 pub use assemble::{FaceOrigin, Remeshed, VertexOrigin};
 pub use error::{PreImageError, RemeshError};
-pub use preimage::{PathPoint, PreImage, TraceOptions, trace};
+pub use preimage::{Extent, PathPoint, PreImage, TraceOptions, trace, trace_parts};
 pub use remove::Fate;
 
 use super::relax::{self, RelaxOptions, Relaxed, Slider};
@@ -84,7 +84,8 @@ impl Default for RemeshOptions {
     }
 }
 
-/// Cuts `surface` along closed curves, whose pre-images on it are given in the order of the curves.
+/// Cuts `surface` along curves, whose pre-images on it are given in the order of the curves. A curve
+/// that leaves the surface and comes back is one cut for each part, with the same curve.
 ///
 /// # Errors
 /// When there is no curve, a curve is open, the curves do not separate what stays from what goes,
@@ -128,8 +129,8 @@ fn check(cuts: &[Cut], preimages: &[PreImage]) -> Result<(), RemeshError> {
     if cuts.is_empty() || preimages.len() != cuts.len() {
         return Err(RemeshError::NoCurves);
     }
-    for (curve, cut) in cuts.iter().enumerate() {
-        if !cut.curve.closed() {
+    for (curve, (cut, image)) in cuts.iter().zip(preimages).enumerate() {
+        if !cut.curve.closed() && image.extent == Extent::Round {
             let gap = cut.curve.position(0.0).distance(cut.curve.position(1.0));
             return Err(RemeshError::Open { curve, gap });
         }

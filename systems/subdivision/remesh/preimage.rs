@@ -17,7 +17,7 @@ use crate::target::Target;
 /// A point of a pre-image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPoint {
-    /// The curve's parameter, in [0, 1].
+    /// The curve's parameter.
     pub u: f64,
     /// The curve's point, in model units.
     pub position: DVec3,
@@ -27,12 +27,24 @@ pub struct PathPoint {
     pub distance: f64,
 }
 
-/// Where a curve runs on a surface: points by rising parameter. That of a closed curve does not
-/// repeat its first point.
+/// Where a curve, or a part of one between two borders, runs on a surface.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PreImage {
-    /// The points.
+    /// The points by rising parameter. One that runs round does not repeat its first point; the
+    /// parameters of a part of a closed curve may run on beyond 1.
     pub points: Vec<PathPoint>,
+    /// Does it run round, or from border to border?
+    pub extent: Extent,
+}
+
+/// How a pre-image begins and ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Extent {
+    /// It ends where it begins.
+    #[default]
+    Round,
+    /// It begins and ends on a border: at junctions, where the curve is cut.
+    Across,
 }
 
 impl PreImage {
@@ -94,8 +106,64 @@ pub fn trace(
     if curve.closed() {
         points.pop();
     }
-    Ok(PreImage { points })
+    Ok(PreImage { points, extent: Extent::Round })
 }
+
+/// Finds the pre-images of the parts of `curve` that lie on the surface, where it may leave across
+/// borders: one that runs round if all of it does.
+///
+/// # Errors
+/// As [`trace`]; a curve that leaves and comes back within a sixty-fourth of its parameter is not
+/// followed, but refused as [`PreImageError::LeavesSurface`].
+pub fn trace_parts(
+    mesh: &Connectivity,
+    target: &dyn Target,
+    curve: &dyn Curve,
+    options: TraceOptions,
+) -> Result<Vec<PreImage>, PreImageError> {
+    let tracer = Tracer { mesh, target, curve, options };
+    let mut knots: Vec<f64> = (0..=LOOKS).map(|k| f64::from(k) / f64::from(LOOKS)).collect();
+    knots.extend(curve.corners().iter().copied().filter(|u| (0.0..=1.0).contains(u)));
+    knots.sort_unstable_by(f64::total_cmp);
+    knots.dedup();
+    let seen: Vec<Option<PathPoint>> = knots.iter().map(|&u| tracer.inside(u)).collect::<Result<_, _>>()?;
+    if seen.iter().all(Option::is_some) && curve.closed() {
+        return Ok(vec![trace(mesh, target, curve, options)?]);
+    }
+    let mut parts = Vec::new();
+    let count = knots.len();
+    // A part of a closed curve may begin before its end: it is followed into the next round.
+    let rounds = if curve.closed() { 2 * count - 1 } else { count };
+    let at = |i: usize| if i < count { (knots[i], seen[i]) } else { (knots[i - count + 1] + 1.0, seen[i - count + 1]) };
+    let mut open: Option<PreImage> = None;
+    for i in 1..rounds {
+        let ((before, was), (now, is)) = (at(i - 1), at(i));
+        if was.is_none() && is.is_some() {
+            if i >= count {
+                break;
+            }
+            let start = tracer.junction(now, before)?;
+            open = Some(PreImage { points: vec![start], extent: Extent::Across });
+        }
+        let Some(part) = &mut open else { continue };
+        let end = match is {
+            Some(point) => PathPoint { u: now, ..point },
+            None => tracer.junction(before, now)?,
+        };
+        let last = part.points[part.points.len() - 1];
+        if end.u > last.u {
+            tracer.between(last, end, &mut part.points)?;
+            part.points.push(end);
+        }
+        if is.is_none() {
+            parts.extend(open.take());
+        }
+    }
+    Ok(parts)
+}
+
+/// How often a curve that may leave the surface is looked at to begin with.
+const LOOKS: u32 = 64;
 
 struct Tracer<'a> {
     mesh: &'a Connectivity,
@@ -105,8 +173,35 @@ struct Tracer<'a> {
 }
 
 impl Tracer<'_> {
+    /// The point of the pre-image at `u`; `None` beyond a border.
+    fn inside(&self, u: f64) -> Result<Option<PathPoint>, PreImageError> {
+        match self.at(u, None) {
+            Ok(point) => Ok(Some(point).filter(|p| !self.on_border(p.at))),
+            Err(PreImageError::LeavesSurface { .. }) => Ok(None),
+            Err(why) => Err(why),
+        }
+    }
+
+    /// The point of the border at which the curve leaves the surface, between a parameter inside and
+    /// one outside: the last place whose closest point is still on the border.
+    fn junction(&self, mut inside: f64, mut outside: f64) -> Result<PathPoint, PreImageError> {
+        loop {
+            let middle = 0.5 * (inside + outside);
+            if middle == inside || middle == outside {
+                break;
+            }
+            match self.inside(middle)? {
+                Some(_) => inside = middle,
+                None => outside = middle,
+            }
+        }
+        let point = self.at(outside, None)?;
+        Ok(point)
+    }
+
     fn at(&self, u: f64, hint: Option<SurfacePoint>) -> Result<PathPoint, PreImageError> {
-        let position = self.curve.position(u);
+        let wrapped = if self.curve.closed() && u > 1.0 { u - 1.0 } else { u };
+        let position = self.curve.position(wrapped);
         if !position.is_finite() {
             return Err(PreImageError::NotFinite { u, at: position });
         }

@@ -33,11 +33,14 @@ pub struct Remains {
     pub near: Vec<Option<Near>>,
 }
 
-/// The edge of what is left along one curve, in the curve's direction.
+/// The edge of what is left along one curve, in the curve's direction: round, or from border to
+/// border.
 #[derive(Clone, Debug, Default)]
 pub struct Rim {
     /// Its vertices; the first is not repeated.
     pub vertices: Vec<u32>,
+    /// Does it run round?
+    pub closed: bool,
     /// How far along the curve the nearest place to each is, unwrapped: it grows by the curve's
     /// length in going round, but need not be monotone.
     pub along: Vec<f64>,
@@ -255,9 +258,8 @@ impl Cage<'_> {
             let pinched = self.pinches(remains);
             let mut places = Vec::new();
             for &v in &pinched {
-                if remains.fates[self.mesh.outgoing(v).face().index()] == Fate::Kept
-                    || self.kept_fans(remains, v).len() > 1
-                {
+                // Opening one may have opened others.
+                if self.is_pinched(remains, v) {
                     places.extend(self.open_pinch(remains, v, &mut todo));
                 }
             }
@@ -270,7 +272,7 @@ impl Cage<'_> {
         }
     }
 
-    /// The vertices at which two stretches of rim meet, or one and a border; ascending.
+    /// The vertices at which two stretches of rim meet, or one runs along a border; ascending.
     fn pinches(&self, remains: &Remains) -> Vec<VertexId> {
         let mut on_rim = vec![false; self.limit.len()];
         for h in (0..3 * self.triangles.len()).map(HalfedgeId::new).filter(|&h| self.is_rim(remains, h)) {
@@ -278,7 +280,19 @@ impl Cage<'_> {
             on_rim[self.mesh.to(h).index()] = true;
         }
         let rim = (0..on_rim.len()).filter(|&v| on_rim[v]).map(VertexId::new);
-        rim.filter(|&v| self.mesh.is_border(v) || self.kept_fans(remains, v).len() > 1).collect()
+        rim.filter(|&v| self.is_pinched(remains, v)).collect()
+    }
+
+    fn is_pinched(&self, remains: &Remains, v: VertexId) -> bool {
+        let leaving = self.mesh.ring(v).filter(|&h| self.is_rim(remains, h)).count();
+        let arriving = self.mesh.ring(v).filter(|&h| self.is_rim(remains, h.previous())).count();
+        if !self.mesh.is_border(v) {
+            return leaving > 1 || arriving > 1;
+        }
+        // A curve that crosses the border has one end of its rim there; it is seen from one fan.
+        let crosses = remains.near[v.index()]
+            .is_some_and(|n| !self.track.tracks[self.track.points[n.segment as usize].cut as usize].closed);
+        leaving + arriving > usize::from(crosses) || self.kept_fans(remains, v).len() > 1 && leaving + arriving > 0
     }
 
     /// A place of a curve with the cage at `v`.
@@ -357,11 +371,16 @@ impl Cage<'_> {
     fn rims(&self, remains: &mut Remains) -> Result<Vec<Rim>, Trouble> {
         let mut rims: Vec<Option<Rim>> = vec![None; self.track.tracks.len()];
         let mut seen = vec![false; 3 * self.triangles.len()];
-        for h in (0..3 * self.triangles.len()).map(HalfedgeId::new) {
+        let all_edges = || (0..3 * self.triangles.len()).map(HalfedgeId::new);
+        // Those that begin at a border first: the others run round.
+        let crossing = all_edges().filter(|&h| self.mesh.is_border(self.mesh.from(h)));
+        let starts: Vec<HalfedgeId> = crossing.chain(all_edges()).filter(|&h| self.is_rim(remains, h)).collect();
+        for h in starts {
             if seen[h.index()] || !self.is_rim(remains, h) {
                 continue;
             }
             let walk = self.walk(remains, h, &mut seen);
+            let closed = !self.mesh.is_border(walk[0]);
             let nears: Vec<Near> = walk.iter().filter_map(|v| remains.near[v.index()]).collect();
             let Some(&first) = nears.first() else { return Err(Trouble::Error(RemeshError::NothingLeft)) };
             let cut = self.track.points[first.segment as usize].cut;
@@ -376,13 +395,27 @@ impl Cage<'_> {
                 let places = if places.is_empty() { all() } else { places };
                 return Err(Trouble::TooCoarse { what: "too coarse between two curves", places });
             }
-            let length = self.track.tracks[cut as usize].length;
-            let along = self.unwrap(&nears, length);
-            let rounds = ((along[walk.len()] - along[0]) / length).round();
-            let rim = Rim { vertices: walk.iter().map(|v| v.0).collect(), along: along[..walk.len()].to_vec() };
-            if rounds == 1.0 && rims[cut as usize].is_none() {
+            let whole = self.track.tracks[cut as usize];
+            let along = if whole.closed {
+                self.unwrap(&nears, whole.length)
+            } else {
+                nears.iter().map(|&n| self.track.along(n)).collect()
+            };
+            let sound = match (closed, whole.closed) {
+                (true, true) => ((along[walk.len()] - along[0]) / whole.length).round() == 1.0,
+                (false, false) => {
+                    let near_end =
+                        |i: usize, end: f64| (along[i] - end).abs() < APART * self.place(walk[i].0, nears[i]).size;
+                    near_end(0, 0.0) && near_end(walk.len() - 1, whole.length)
+                }
+                _ => false,
+            };
+            let rim = Rim { vertices: walk.iter().map(|v| v.0).collect(), closed, along: along[..walk.len()].to_vec() };
+            let is_pocket =
+                !sound && closed && (!whole.closed || ((along[walk.len()] - along[0]) / whole.length).round() == 0.0);
+            if sound && rims[cut as usize].is_none() {
                 rims[cut as usize] = Some(rim);
-            } else if rounds == 0.0 && self.drop_pocket(remains, h) {
+            } else if is_pocket && self.drop_pocket(remains, h) {
                 // What hung on by nothing is gone.
             } else {
                 return Err(Trouble::TooCoarse { what: "without a single rim", places: all() });
@@ -400,17 +433,23 @@ impl Cage<'_> {
         Ok(rims.into_iter().flatten().collect())
     }
 
-    /// The rim from `start` on, with the rest on the left.
+    /// The rim from `start` on, with the rest on the left; up to a border, its vertex included, or
+    /// round.
     fn walk(&self, remains: &Remains, start: HalfedgeId, seen: &mut [bool]) -> Vec<VertexId> {
         let mut walk = Vec::new();
         let mut h = start;
         loop {
             seen[h.index()] = true;
             walk.push(self.mesh.from(h));
+            let end = self.mesh.to(h);
             let mut n = h.next();
-            // No vertex of a rim lies on a border and each has one fan, so this ends at a rim edge.
+            // Each vertex of a rim has one fan, so this ends at a rim edge or at a border.
             while let Some(t) = self.mesh.twin(n).filter(|_| !self.is_rim(remains, n)) {
                 n = t.next();
+            }
+            if !self.is_rim(remains, n) {
+                walk.push(end);
+                return walk;
             }
             h = n;
             if seen[h.index()] {

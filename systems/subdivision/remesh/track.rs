@@ -84,7 +84,7 @@ impl Track {
     fn push(&mut self, mesh: &Connectivity, c: usize, cut: &Cut, image: &PreImage) -> Result<(), PreImageError> {
         let begin = self.points.len() as u32;
         let count = image.points.len() as u32;
-        let closed = cut.curve.closed();
+        let closed = image.extent == super::preimage::Extent::Round;
         if count < 3 {
             return Err(PreImageError::BadGiven { index: 0, reason: "it has fewer than three points" });
         }
@@ -102,7 +102,7 @@ impl Track {
             self.points.push(TrackPoint {
                 position: p.position,
                 t,
-                corner: corners.contains(&p.u),
+                corner: corners.contains(&if p.u > 1.0 { p.u - 1.0 } else { p.u }),
                 along: 0.0,
                 cut: c as u32,
                 next: if closed || k + 1 < count { wrap(k + 1) } else { NONE },
@@ -148,6 +148,7 @@ impl Track {
     pub fn parameter(&self, near: Near) -> f64 {
         let p = &self.points[near.segment as usize];
         let end = self.points[p.next as usize].t;
+        // Over the end of a closed curve.
         let end = if end <= p.t { end + 1.0 } else { end };
         p.t + (end - p.t) * near.part
     }

@@ -2,6 +2,7 @@
 
 #![allow(clippy::print_stdout, reason = "the tables are for reading")]
 
+mod borders;
 mod bores;
 mod closed;
 mod draw;

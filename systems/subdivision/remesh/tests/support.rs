@@ -198,7 +198,7 @@ impl Walker {
             } else {
                 self.mesh.ring(v).last().map_or(self.mesh.outgoing(v), HalfedgeId::previous)
             };
-            if next.face() != at.face && p[end] < 1.0 {
+            if next.face() != at.face {
                 let corner = if wanted > 1.0 { next.corner() } else { next.next().corner() };
                 q[corner] = 1.0;
                 return (SurfacePoint::new(next.face(), q[1], q[2]), true);
