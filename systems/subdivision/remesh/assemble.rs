@@ -112,7 +112,7 @@ pub(super) fn assemble(work: &Work<'_>, relaxed: Vec<Relaxed>) -> Result<Remeshe
         }
     }
     let mesh = Arc::new(manifold(vertex_count, &parts.triangles)?);
-    let sides = sides::sides(work, &parts, &mesh);
+    let sides = sides::sides(work, &parts, &mesh)?;
     let mut changed = changed(work, &parts, &mesh);
     changed.extend(&sides.touched);
     changed.sort_unstable();

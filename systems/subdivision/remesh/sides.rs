@@ -16,6 +16,7 @@ use selvedge_components::subdivision::{Address, Border, Ends, Heading, LoopSurfa
 use super::Work;
 use super::assemble::{Parts, Vertex, knot_parameter};
 use super::attach::KnotKind;
+use super::remove::{Place as CurvePlace, Trouble};
 
 /// The sides, and what follows from them.
 #[derive(Debug, Default)]
@@ -45,10 +46,14 @@ struct Run {
 }
 
 /// Finds the sides of `mesh`.
-pub(super) fn sides(work: &Work<'_>, parts: &Parts, mesh: &Connectivity) -> Sides {
+///
+/// # Errors
+/// The places at which a curve ends on a border but the rest begins beyond a corner of it.
+pub(super) fn sides(work: &Work<'_>, parts: &Parts, mesh: &Connectivity) -> Result<Sides, Trouble> {
     let borders = Borders::new(work.surface);
     let mut runs = Vec::new();
     for border in mesh.border_loops() {
+        check_ends(work, parts, &borders, &border)?;
         split(work, parts, &borders, &border, &mut runs);
     }
     runs.sort_by(|a, b| a.owner.cmp(&b.owner).then(a.vertices[0].cmp(&b.vertices[0])));
@@ -59,7 +64,52 @@ pub(super) fn sides(work: &Work<'_>, parts: &Parts, mesh: &Connectivity) -> Side
             Owner::Source(s) => source_side(work, parts, &borders, s as usize, run, &mut out),
         }
     }
-    out
+    Ok(out)
+}
+
+/// Between the end of a curve and the next border vertex that is left there is no corner, and they
+/// follow each other as the side goes.
+fn check_ends(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, border: &[VertexId]) -> Result<(), Trouble> {
+    let next = border.iter().cycle().skip(1);
+    for (&a, &b) in border.iter().zip(next) {
+        let (strip, knot, l, leaving) = match (parts.vertices[a.index()], parts.vertices[b.index()]) {
+            (Vertex::Knot(s, k), Vertex::Lattice(l)) => (s, k, l, false),
+            (Vertex::Lattice(l), Vertex::Knot(s, k)) => (s, k, l, true),
+            _ => continue,
+        };
+        let strip = &work.strips[strip as usize];
+        let near = work.track.place_of_parameter(strip.cut, strip.knots[knot as usize].t);
+        let end = borders.place(work.track.source(near));
+        let vertex = &work.adapted.vertices[l as usize];
+        let own = borders.edge(vertex.address, leaving).and_then(|e| {
+            let (side, step) = borders.of_edge[e.index()]?;
+            let within = match vertex.address {
+                Address::Edge(e, steps) => borders.within(e, steps, vertex.birth),
+                _ => f64::from(u8::from(!leaving)),
+            };
+            Some((side, f64::from(step) + within))
+        });
+        let follows = match (end, own) {
+            (Some((s, x)), Some((t, y))) if s == t => {
+                let round = work.surface.sides[s as usize].edge_count() as f64;
+                let apart = if leaving { x - y } else { y - x };
+                let closed = work.surface.sides[s as usize].ends == Ends::Closed;
+                let apart = if closed { apart.rem_euclid(round) } else { apart };
+                // Beyond half a closed side it lies before, not after.
+                apart > 0.0 && (!closed || apart < 0.5 * round)
+            }
+            _ => false,
+        };
+        if !follows {
+            let size = parts.limit[a.index()].distance(parts.limit[b.index()]);
+            let places = vec![CurvePlace { near, level: vertex.level, size }];
+            return Err(Trouble::TooCoarse {
+                what: "too coarse between a curve's end and a corner of the border",
+                places,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Where the border edges of the source lie on its sides.
@@ -227,10 +277,14 @@ fn source_side(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, s: usize, 
         out.sides.push(Side { vertices: run.vertices, ..side.clone() });
         return;
     }
-    out.touched.extend(&run.vertices);
+    // A side that is refined as a whole is the same spline.
+    let step = 1.0 / f64::from(1_u32 << work.base);
+    let uniform = run.ends == side.ends
+        && places.iter().enumerate().all(|(i, p)| p.x == i as f64 * step && p.level == Some(work.base));
     let border = match &side.border {
-        Border::Plain if is_straight(work.surface, side) => Border::Plain,
+        Border::Plain if uniform || is_straight(work.surface, side) => Border::Plain,
         Border::Plain => {
+            out.touched.extend(&run.vertices);
             let curve: Arc<dyn Curve> = Arc::new(PlainBorder::new(work.surface, side));
             let u = places.iter().map(|p| p.x / whole).collect();
             given(&curve, u, Heading::Along, run.ends)

@@ -90,3 +90,29 @@ fn a_band_across_a_plate_leaves_two_parts() {
     assert_eq!(result.surface.mesh.euler(), 2);
     assert_eq!(result.surface.mesh.border_loops().len(), 2);
 }
+
+#[test]
+fn random_bites_leave_one_border() {
+    use super::support::Numbers;
+    let plate = lattice(12, 0.05, |_, _| 0.0);
+    let mut numbers = Numbers(3);
+    let count = std::env::var("SELVEDGE_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(24);
+    let mut failed = Vec::new();
+    for case in 0..count {
+        let radius = numbers.between(0.02, 0.15);
+        let depth = numbers.between(-0.8, 0.8) * radius;
+        let along = numbers.between(-0.1, 0.1);
+        let turned = [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y][case % 4];
+        let centre = turned * (0.3 - depth) + turned.perp() * along;
+        let (_, result) = cut_across(&plate, circle(centre, radius), Heading::Along);
+        match result {
+            Ok(result) => {
+                assert_eq!(result.surface.mesh.euler(), 1);
+                assert_eq!(result.surface.mesh.border_loops().len(), 1);
+                assert_eq!(result.surface.sides.len(), 6);
+            }
+            Err(why) => failed.push(format!("{case}: {centre} {radius}: {why}")),
+        }
+    }
+    assert!(failed.is_empty(), "{} of {count} failed\n{}", failed.len(), failed.join("\n"));
+}
