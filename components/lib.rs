@@ -6,11 +6,22 @@
 //! | [`curve`] | curves in space, black boxes allowed |
 //! | [`subdivision`] | combined Loop subdivision: masks, borders, details, evaluation |
 //! | [`evaluate`] | what every surface can be asked |
-//! | [`tolerance`], [`triangles`] | how exact, and what comes out |
+//! | [`identity`] | what orders entities when order shows |
+//! | [`job`], [`target`] | work that takes many passes, where it stands, and what a surface is fitted to |
+//! | [`tolerance`], [`budget`] | how exact, and at what cost |
+//! | [`error`], [`report`], [`triangles`] | what comes out |
+//! | [`guard`] | calls of user code, kept from doing harm |
 
+pub mod budget;
 pub mod curve;
+pub mod error;
 pub mod evaluate;
+pub mod guard;
+pub mod identity;
+pub mod job;
 pub mod mesh;
+pub mod report;
 pub mod subdivision;
+pub mod target;
 pub mod tolerance;
 pub mod triangles;

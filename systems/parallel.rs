@@ -1,4 +1,4 @@
-//! Parallel maps that keep order: the same bits on any number of threads.
+//! Work on all cores, with the same bits on one.
 
 /// Fewer items than this are mapped on the calling thread: waking a thread costs some
 /// microseconds, as much as this many cheap items.
@@ -16,4 +16,25 @@ pub fn map_in_order<R: Send>(count: usize, f: impl Fn(usize) -> R + Sync + Send)
     }
     let _ = ALONE;
     (0..count).map(f).collect()
+}
+
+/// Runs `work` on every item, on all cores where the feature `parallel` is on.
+///
+/// The items share nothing, so the order in which they happen to run leaves no trace.
+pub fn for_each<T: Send>(items: Vec<T>, work: impl Fn(T) + Sync + Send) {
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::prelude::*;
+        items.into_par_iter().for_each(work);
+    }
+    #[cfg(not(feature = "parallel"))]
+    items.into_iter().for_each(work);
+}
+
+/// How many threads [`for_each`] may use.
+pub fn threads() -> usize {
+    #[cfg(feature = "parallel")]
+    return rayon::current_num_threads();
+    #[cfg(not(feature = "parallel"))]
+    1
 }

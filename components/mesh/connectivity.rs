@@ -1,9 +1,11 @@
 //! The half-edges of a triangle mesh.
 
-use super::{EdgeId, FaceId, Fault, HalfedgeId, VertexId, faults};
+use super::edges::EdgeGroups;
+use super::faults::inspect;
+use super::{EdgeId, FaceId, Fault, HalfedgeId, VertexId};
 
 /// No half-edge: what stands in the tables where a twin is missing.
-pub(super) const NONE: u32 = u32::MAX;
+const NONE: u32 = u32::MAX;
 
 /// The connectivity of an oriented 2-manifold triangle mesh, with or without borders.
 ///
@@ -28,16 +30,13 @@ pub struct Connectivity {
 impl Connectivity {
     /// Builds the half-edges of `faces` over vertices `0..vertex_count`.
     ///
-    /// Costs O(vertices + faces), without hashing.
+    /// Costs O(vertices + faces log(valence)), without hashing.
     ///
     /// # Errors
-    /// Every [`Fault`] of the mesh, as [`faults`] lists them, when there is one.
+    /// Every [`Fault`] of the mesh, as [`faults`](super::faults) lists them, when there is one.
     pub fn new(vertex_count: usize, faces: &[[u32; 3]]) -> Result<Self, Vec<Fault>> {
-        let found = faults(vertex_count, faces);
-        if !found.is_empty() {
-            return Err(found);
-        }
-        let twins = match_twins(vertex_count, faces);
+        let groups = inspect(vertex_count, faces)?;
+        let twins = match_twins(faces.len(), &groups);
         let (edges, first_halfedge) = number_edges(&twins);
         let (outgoing, valence) = fans(vertex_count, faces, &twins);
         Ok(Self {
@@ -135,7 +134,7 @@ impl Connectivity {
     /// The half-edges that leave `v`, counter-clockwise, from [`Self::outgoing`].
     ///
     /// The ring of a border vertex of valence `k` has `k - 1` half-edges that leave; its last
-    /// neighbour is reached by [`Ring::last_border_neighbour`].
+    /// neighbour is reached by [`Self::last_border_neighbour`].
     #[inline]
     pub fn ring(&self, v: VertexId) -> Ring<'_> {
         Ring { mesh: self, start: self.outgoing(v), next: Some(self.outgoing(v)) }
@@ -202,48 +201,16 @@ impl Iterator for Ring<'_> {
     }
 }
 
-/// The twin of every half-edge, found by sorting half-edges into buckets by their smaller end.
-pub(super) fn match_twins(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<u32> {
-    let mut twins = vec![NONE; 3 * faces.len()];
-    for_each_edge_group(vertex_count, faces, |group| {
+/// The twin of every half-edge, or [`NONE`] on a border.
+fn match_twins(face_count: usize, groups: &EdgeGroups) -> Vec<u32> {
+    let mut twins = vec![NONE; 3 * face_count];
+    for group in groups.iter() {
         if let [(_, a), (_, b)] = *group {
             twins[a as usize] = b;
             twins[b as usize] = a;
         }
-    });
+    }
     twins
-}
-
-/// Calls `visit` once for every undirected edge with all half-edges that run along it, as
-/// `(larger end, half-edge)`, half-edges ascending. Faces must name vertices in range.
-pub(super) fn for_each_edge_group(vertex_count: usize, faces: &[[u32; 3]], mut visit: impl FnMut(&[(u32, u32)])) {
-    let ends = |h: usize| {
-        let f = faces[h / 3];
-        let (a, b) = (f[h % 3], f[(h + 1) % 3]);
-        (a.min(b), a.max(b))
-    };
-    let mut start = vec![0_u32; vertex_count + 1];
-    for h in 0..3 * faces.len() {
-        start[ends(h).0 as usize + 1] += 1;
-    }
-    for v in 0..vertex_count {
-        start[v + 1] += start[v];
-    }
-    let mut fill = start.clone();
-    let mut bucket = vec![(0_u32, 0_u32); 3 * faces.len()];
-    for h in 0..3 * faces.len() {
-        let (low, high) = ends(h);
-        let at = &mut fill[low as usize];
-        bucket[*at as usize] = (high, h as u32);
-        *at += 1;
-    }
-    for v in 0..vertex_count {
-        let around = &mut bucket[start[v] as usize..start[v + 1] as usize];
-        around.sort_unstable();
-        for group in around.chunk_by(|a, b| a.0 == b.0) {
-            visit(group);
-        }
-    }
 }
 
 fn number_edges(twins: &[u32]) -> (Vec<EdgeId>, Vec<HalfedgeId>) {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use thiserror::Error;
 
-use super::connectivity::for_each_edge_group;
+use super::edges::{EdgeGroups, ends};
 use super::{FaceId, VertexId};
 
 /// A defect of a triangle mesh, named by what it is and placed by index.
@@ -97,33 +97,66 @@ pub enum Fault {
     },
 }
 
+impl Fault {
+    /// The same fault with every face called by another name: `name` is given a face as it stands
+    /// and answers with what to call it. For lists of faces that stand for another list.
+    #[must_use]
+    pub fn rename_faces(mut self, name: impl Fn(FaceId) -> FaceId) -> Self {
+        match &mut self {
+            Self::IndexOutOfRange { face, .. }
+            | Self::DegenerateFace { face, .. }
+            | Self::NonOrientable { face, .. } => {
+                *face = name(*face);
+            }
+            Self::DuplicateFace { first, second } => (*first, *second) = (name(*first), name(*second)),
+            Self::NonManifoldEdge { faces, .. } => faces.iter_mut().for_each(|face| *face = name(*face)),
+            Self::InconsistentWinding { faces, .. } => *faces = faces.map(name),
+            Self::Empty
+            | Self::TooMany { .. }
+            | Self::NonManifoldVertex { .. }
+            | Self::UnusedVertex { .. }
+            | Self::NotFinite { .. } => {}
+        }
+        self
+    }
+}
+
 /// Every defect of the connectivity of `faces` over vertices `0..vertex_count`, in the order of the
 /// enum, each kind by index. Empty for an oriented 2-manifold.
 ///
-/// Indices out of range and degenerate faces hide what depends on them: those are listed alone.
-/// Costs O(vertices + faces).
+/// Faces that name a vertex twice or repeat another face are listed and set aside, and the rest is
+/// judged without them. An index out of range tears a hole whose rim would be called a fault too, so
+/// where there is one, edges and vertices are not judged.
+/// [`Fault::NonOrientable`] is for [`orient`](super::orient) to find.
+///
+/// Costs O(vertices + faces log(valence)).
 pub fn faults(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<Fault> {
+    inspect(vertex_count, faces).err().unwrap_or_default()
+}
+
+/// [`faults`], or the grouped half-edges of a mesh that has none.
+pub(super) fn inspect(vertex_count: usize, faces: &[[u32; 3]]) -> Result<EdgeGroups, Vec<Fault>> {
     let mut found = face_faults(vertex_count, faces);
-    if !found.is_empty() {
-        return found;
+    if found.is_empty() {
+        let groups = EdgeGroups::new(vertex_count, faces);
+        found = surface_faults(vertex_count, faces, &groups);
+        found.extend(unused_vertices(vertex_count, faces));
+        return if found.is_empty() { Ok(groups) } else { Err(found) };
     }
-    let mut windings = Vec::new();
-    for_each_edge_group(vertex_count, faces, |group| match *group {
-        [_] => {}
-        [(_, a), (_, b)] => {
-            let from = |h: u32| faces[h as usize / 3][h as usize % 3];
-            if from(a) == from(b) {
-                windings.push(Fault::InconsistentWinding { ends: ends(faces, a), faces: [face(a), face(b)] });
+    if found.iter().all(|fault| matches!(fault, Fault::DegenerateFace { .. } | Fault::DuplicateFace { .. })) {
+        let mut sound = vec![true; faces.len()];
+        for fault in &found {
+            if let Fault::DegenerateFace { face: aside, .. } | Fault::DuplicateFace { second: aside, .. } = fault {
+                sound[aside.index()] = false;
             }
         }
-        _ => found.push(Fault::NonManifoldEdge {
-            ends: ends(faces, group[0].1),
-            faces: group.iter().map(|&(_, h)| face(h)).collect(),
-        }),
-    });
-    found.append(&mut windings);
-    found.extend(vertex_faults(vertex_count, faces));
-    found
+        let names: Vec<u32> = (0..faces.len() as u32).filter(|&f| sound[f as usize]).collect();
+        let rest: Vec<[u32; 3]> = names.iter().map(|&f| faces[f as usize]).collect();
+        let more = surface_faults(vertex_count, &rest, &EdgeGroups::new(vertex_count, &rest));
+        found.extend(more.into_iter().map(|fault| fault.rename_faces(|f| FaceId(names[f.index()]))));
+        found.extend(unused_vertices(vertex_count, faces));
+    }
+    Err(found)
 }
 
 /// Every control point that is not finite.
@@ -132,98 +165,9 @@ pub fn position_faults(positions: &[DVec3]) -> Vec<Fault> {
     bad.map(|(v, &at)| Fault::NotFinite { vertex: VertexId::new(v), at }).collect()
 }
 
-/// What [`orient`] did.
-#[derive(Clone, Debug, PartialEq, Eq, Default)]
-pub struct Oriented {
-    /// The faces with windings that agree.
-    pub faces: Vec<[u32; 3]>,
-    /// The faces that were turned round, ascending.
-    pub flipped: Vec<FaceId>,
-}
-
-/// Makes the windings of each connected component agree, turning as few faces as can be (the
-/// minority of the component; on a tie the first face stays).
-///
-/// # Errors
-/// [`Fault::NonOrientable`] for each component that admits no consistent winding. Faces must
-/// name vertices in range; edges of more than two faces are not crossed.
-pub fn orient(vertex_count: usize, faces: &[[u32; 3]]) -> Result<Oriented, Vec<Fault>> {
-    let early = face_faults(vertex_count, faces);
-    if !early.is_empty() {
-        return Err(early);
-    }
-    // Neighbour across each half-edge, and whether the two run through the edge alike.
-    let mut across: Vec<Option<(u32, bool)>> = vec![None; 3 * faces.len()];
-    for_each_edge_group(vertex_count, faces, |group| {
-        if let [(_, a), (_, b)] = *group {
-            let from = |h: u32| faces[h as usize / 3][h as usize % 3];
-            let alike = from(a) == from(b);
-            across[a as usize] = Some((b, alike));
-            across[b as usize] = Some((a, alike));
-        }
-    });
-    let mut turned: Vec<Option<bool>> = vec![None; faces.len()];
-    let mut found = Vec::new();
-    for seed in 0..faces.len() {
-        if turned[seed].is_some() {
-            continue;
-        }
-        turned[seed] = Some(false);
-        let mut component = vec![seed];
-        let mut next = 0;
-        let mut clash = None;
-        while let Some(&f) = component.get(next) {
-            next += 1;
-            let own = turned[f] == Some(true);
-            for h in 3 * f..3 * f + 3 {
-                let Some((twin, alike)) = across[h] else { continue };
-                let (other, wanted) = (twin as usize / 3, own ^ alike);
-                match turned[other] {
-                    None => {
-                        turned[other] = Some(wanted);
-                        component.push(other);
-                    }
-                    Some(is) if is != wanted && clash.is_none() => {
-                        clash = Some(Fault::NonOrientable { face: FaceId::new(seed), ends: ends(faces, h as u32) });
-                    }
-                    Some(_) => {}
-                }
-            }
-        }
-        found.extend(clash);
-        let minority = component.iter().filter(|&&f| turned[f] == Some(true)).count();
-        if 2 * minority > component.len() {
-            for f in component {
-                turned[f] = turned[f].map(|t| !t);
-            }
-        }
-    }
-    if !found.is_empty() {
-        return Err(found);
-    }
-    let mut out = Oriented { faces: faces.to_vec(), flipped: Vec::new() };
-    for (f, turn) in turned.into_iter().enumerate() {
-        if turn == Some(true) {
-            out.faces[f].swap(1, 2);
-            out.flipped.push(FaceId::new(f));
-        }
-    }
-    Ok(out)
-}
-
-fn face(h: u32) -> FaceId {
-    FaceId(h / 3)
-}
-
-fn ends(faces: &[[u32; 3]], h: u32) -> [VertexId; 2] {
-    let f = faces[h as usize / 3];
-    let (a, b) = (f[h as usize % 3], f[(h as usize + 1) % 3]);
-    [VertexId(a.min(b)), VertexId(a.max(b))]
-}
-
-/// Faults of single faces, and faces that repeat others: what must be right before edges mean
-/// anything.
-fn face_faults(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<Fault> {
+/// Faults of the list as a whole and of faces judged without their neighbours.
+pub(super) fn face_faults(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<Fault> {
+    // Half-edges are three to a face, and the last id is kept for "none".
     let limits = [("vertices", vertex_count, u32::MAX as usize - 1), ("faces", faces.len(), u32::MAX as usize / 3 - 1)];
     let too_many = limits.iter().filter(|&&(_, count, limit)| count > limit);
     let mut found: Vec<_> = too_many.map(|&(what, count, limit)| Fault::TooMany { what, count, limit }).collect();
@@ -233,78 +177,141 @@ fn face_faults(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<Fault> {
     if faces.is_empty() {
         return vec![Fault::Empty];
     }
-    for (f, corners) in faces.iter().enumerate() {
-        let face = FaceId::new(f);
-        for &index in corners.iter().filter(|&&i| i as usize >= vertex_count) {
-            found.push(Fault::IndexOutOfRange { face, index, vertex_count });
-        }
-        let [a, b, c] = *corners;
-        if a == b || a == c {
-            found.push(Fault::DegenerateFace { face, vertex: VertexId(a) });
-        } else if b == c {
-            found.push(Fault::DegenerateFace { face, vertex: VertexId(b) });
-        }
+    let all = || faces.iter().enumerate().map(|(f, &corners)| (FaceId::new(f), corners));
+    for (face, corners) in all() {
+        let beyond = corners.into_iter().filter(|&index| index as usize >= vertex_count);
+        found.extend(beyond.map(|index| Fault::IndexOutOfRange { face, index, vertex_count }));
     }
-    if found.is_empty() {
-        found = duplicate_faces(faces);
-    }
+    let degenerate = all().filter_map(|(face, corners)| Some((face, repeated_corner(corners)?)));
+    found.extend(degenerate.map(|(face, vertex)| Fault::DegenerateFace { face, vertex }));
+    found.extend(duplicate_faces(faces));
     found
 }
 
+/// The corner that a face names more than once.
+fn repeated_corner([a, b, c]: [u32; 3]) -> Option<VertexId> {
+    if a == b || a == c { Some(VertexId(a)) } else { (b == c).then_some(VertexId(b)) }
+}
+
+/// Every face whose corners, in whatever order, are those of an earlier one.
 fn duplicate_faces(faces: &[[u32; 3]]) -> Vec<Fault> {
     let mut keys: Vec<([u32; 3], u32)> = Vec::with_capacity(faces.len());
-    for (f, corners) in faces.iter().enumerate() {
+    for (f, corners) in faces.iter().enumerate().filter(|&(_, &corners)| repeated_corner(corners).is_none()) {
         let mut sorted = *corners;
         sorted.sort_unstable();
         keys.push((sorted, f as u32));
     }
     keys.sort_unstable();
     let runs = keys.chunk_by(|a, b| a.0 == b.0);
-    let repeats = runs.flat_map(|run| run[1..].iter().map(|again| (run[0].1, again.1)));
-    repeats.map(|(a, b)| Fault::DuplicateFace { first: FaceId(a), second: FaceId(b) }).collect()
+    let mut repeats: Vec<_> = runs.flat_map(|run| run[1..].iter().map(|again| (run[0].1, again.1))).collect();
+    repeats.sort_unstable();
+    repeats.into_iter().map(|(a, b)| Fault::DuplicateFace { first: FaceId(a), second: FaceId(b) }).collect()
 }
 
-/// Vertices of no face or of several fans. A fan is a set of corners of one vertex linked through
-/// edges of exactly two faces.
-fn vertex_faults(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<Fault> {
-    // Union of corners around each vertex; a corner is named by the half-edge that leaves it.
-    let mut parent: Vec<u32> = (0..3 * faces.len() as u32).collect();
-    fn root(parent: &mut [u32], mut c: u32) -> u32 {
-        while parent[c as usize] != c {
-            parent[c as usize] = parent[parent[c as usize] as usize];
-            c = parent[c as usize];
+/// Faults of edges and vertices.
+fn surface_faults(vertex_count: usize, faces: &[[u32; 3]], groups: &EdgeGroups) -> Vec<Fault> {
+    let mut found = Vec::new();
+    let mut windings = Vec::new();
+    for group in groups.iter() {
+        match *group {
+            [_] => {}
+            [(_, a), (_, b)] => {
+                if run_alike(faces, a, b) {
+                    windings.push(Fault::InconsistentWinding { ends: edge(faces, a), faces: [face(a), face(b)] });
+                }
+            }
+            _ => found.push(Fault::NonManifoldEdge {
+                ends: edge(faces, group[0].1),
+                faces: group.iter().map(|&(_, h)| face(h)).collect(),
+            }),
         }
-        c
     }
-    let mut join = |a: u32, b: u32| {
-        let (a, b) = (root(&mut parent, a), root(&mut parent, b));
-        parent[a.max(b) as usize] = a.min(b);
-    };
+    found.append(&mut windings);
+    found.extend(split_vertices(vertex_count, faces, groups));
+    found
+}
+
+/// Do two half-edges of one edge run through it in the same direction?
+pub(super) fn run_alike(faces: &[[u32; 3]], a: u32, b: u32) -> bool {
+    let from = |h: u32| faces[h as usize / 3][h as usize % 3];
+    from(a) == from(b)
+}
+
+/// The ends of the edge of half-edge `h`, smaller first.
+pub(super) fn edge(faces: &[[u32; 3]], h: u32) -> [VertexId; 2] {
+    let (low, high) = ends(faces, h as usize);
+    [VertexId(low), VertexId(high)]
+}
+
+fn face(h: u32) -> FaceId {
+    FaceId(h / 3)
+}
+
+/// Vertices of several fans. A fan is a set of corners of one vertex that are linked through shared
+/// edges, however many faces share them: what is wrong about an edge of three faces is said of the
+/// edge, and not again of its ends.
+fn split_vertices(vertex_count: usize, faces: &[[u32; 3]], groups: &EdgeGroups) -> impl Iterator<Item = Fault> {
+    let fans = count_fans(vertex_count, faces, groups).into_iter().enumerate();
+    fans.filter(|&(_, fans)| fans > 1).map(|(v, fans)| Fault::NonManifoldVertex { vertex: VertexId::new(v), fans })
+}
+
+/// Vertices that no face names, not even one that has a fault.
+fn unused_vertices(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<Fault> {
+    let mut used = vec![false; vertex_count];
+    for &v in faces.as_flattened() {
+        used[v as usize] = true;
+    }
+    let unused = used.iter().enumerate().filter(|&(_, &used)| !used);
+    unused.map(|(v, _)| Fault::UnusedVertex { vertex: VertexId::new(v) }).collect()
+}
+
+/// How many fans meet at each vertex: the classes of corners joined across shared edges.
+fn count_fans(vertex_count: usize, faces: &[[u32; 3]], groups: &EdgeGroups) -> Vec<u32> {
+    // A corner is named by the half-edge that leaves it.
+    let mut corners = Classes::new(3 * faces.len());
     let next = |h: u32| if h % 3 == 2 { h - 2 } else { h + 1 };
-    for_each_edge_group(vertex_count, faces, |group| {
+    for group in groups.iter() {
         for pair in group.windows(2) {
             let (a, b) = (pair[0].1, pair[1].1);
-            let from = |h: u32| faces[h as usize / 3][h as usize % 3];
-            let (a2, b2) = (next(a), next(b));
-            if from(a) == from(b) {
-                join(a, b);
-                join(a2, b2);
+            let (at_far_a, at_far_b) = (next(a), next(b));
+            if run_alike(faces, a, b) {
+                corners.join(a, b);
+                corners.join(at_far_a, at_far_b);
             } else {
-                join(a, b2);
-                join(a2, b);
+                corners.join(a, at_far_b);
+                corners.join(at_far_a, b);
             }
         }
-    });
+    }
     let mut fans = vec![0_u32; vertex_count];
     for h in 0..3 * faces.len() {
-        if parent[h] == h as u32 {
+        if corners.parent[h] == h as u32 {
             fans[faces[h / 3][h % 3] as usize] += 1;
         }
     }
-    let mut found: Vec<Fault> = Vec::new();
-    let many = fans.iter().enumerate().filter(|&(_, &fans)| fans > 1);
-    found.extend(many.map(|(v, &fans)| Fault::NonManifoldVertex { vertex: VertexId::new(v), fans }));
-    let none = fans.iter().enumerate().filter(|&(_, &fans)| fans == 0);
-    found.extend(none.map(|(v, _)| Fault::UnusedVertex { vertex: VertexId::new(v) }));
-    found
+    fans
+}
+
+/// Disjoint sets with path halving; the smallest member stands for its set.
+struct Classes {
+    parent: Vec<u32>,
+}
+
+impl Classes {
+    fn new(count: usize) -> Self {
+        Self { parent: (0..count as u32).collect() }
+    }
+
+    fn root(&mut self, mut c: u32) -> u32 {
+        while self.parent[c as usize] != c {
+            self.parent[c as usize] = self.parent[self.parent[c as usize] as usize];
+            c = self.parent[c as usize];
+        }
+        c
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
 }

@@ -1,9 +1,12 @@
 //! Triangle connectivity with typed ids. Topology knows no positions.
 
 mod connectivity;
+mod edges;
 mod faults;
 mod ids;
+mod orient;
 
 pub use connectivity::{Connectivity, Ring};
-pub use faults::{Fault, Oriented, faults, orient, position_faults};
+pub use faults::{Fault, faults, position_faults};
 pub use ids::{EdgeId, FaceId, HalfedgeId, VertexId};
+pub use orient::{Oriented, orient};

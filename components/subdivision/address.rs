@@ -13,6 +13,7 @@ pub const FINEST_LEVEL: u32 = 30;
 /// Each vertex has exactly one address per level, whatever face it is reached from; addresses
 /// sort by kind, then by root element, then by position.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[component(summary_tick)]
 pub enum Address {
     /// A vertex of the root mesh.
     Corner(VertexId),

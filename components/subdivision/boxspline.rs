@@ -17,6 +17,8 @@
 //! `i` to `i + 1`), then for each corner the two points left in its ring, counter-clockwise: the
 //! list of the net turned by one corner is the list with each group turned by one.
 
+use core::ops::{Add, Mul};
+
 use glam::DVec3;
 
 use crate::evaluate::Jet;
@@ -78,13 +80,13 @@ impl Quartic {
     /// The point at `(s, t)`.
     #[inline(always)]
     pub fn position(&self, s: f64, t: f64) -> DVec3 {
-        horner_position(&self.coefficients, DVec3::splat(s), DVec3::splat(t), |a, b, c| a * b + c)
+        horner_position(&self.coefficients, DVec3::splat(s), DVec3::splat(t))
     }
 
     /// The point and its first derivatives at `(s, t)`.
     #[inline(always)]
     pub fn jet(&self, s: f64, t: f64) -> Jet {
-        let [position, ds, dt] = horner_jet(&self.coefficients, DVec3::splat(s), DVec3::splat(t), |a, b, c| a * b + c);
+        let [position, ds, dt] = horner_jet(&self.coefficients, DVec3::splat(s), DVec3::splat(t));
         Jet { position, ds, dt }
     }
 
@@ -118,39 +120,39 @@ pub fn basis(s: f64, t: f64) -> [[f64; 12]; 3] {
     weights
 }
 
-/// Horner's scheme for [`Quartic::position`], for numbers of any width: `mul_add(a, b, c)` is
-/// `a * b + c`. Whatever the width, the operations and their order, hence the bits, are the same.
+/// Horner's scheme for [`Quartic::position`], for numbers of any width: whatever the width, the
+/// operations and their order, hence the bits, are the same.
 #[inline(always)]
-pub fn horner_position<T: Copy>(c: &[T; 14], s: T, t: T, mul_add: impl Fn(T, T, T) -> T) -> T {
-    let q0 = mul_add(mul_add(mul_add(mul_add(c[4], s, c[3]), s, c[2]), s, c[1]), s, c[0]);
-    let q1 = mul_add(mul_add(mul_add(c[8], s, c[7]), s, c[6]), s, c[5]);
-    let (q2, q3) = (mul_add(c[10], s, c[9]), mul_add(c[12], s, c[11]));
-    mul_add(mul_add(mul_add(mul_add(c[13], t, q3), t, q2), t, q1), t, q0)
+pub fn horner_position<T: Copy + Add<Output = T> + Mul<Output = T>>(c: &[T; 14], s: T, t: T) -> T {
+    let q0 = (((c[4] * s + c[3]) * s + c[2]) * s + c[1]) * s + c[0];
+    let q1 = ((c[8] * s + c[7]) * s + c[6]) * s + c[5];
+    let (q2, q3) = (c[10] * s + c[9], c[12] * s + c[11]);
+    (((c[13] * t + q3) * t + q2) * t + q1) * t + q0
 }
 
 /// Horner's scheme for [`Quartic::jet`], as [`horner_position`]: position, derivative by `s`,
 /// derivative by `t`. Each sum is differentiated as it grows: `(p s + c)' = p' s + p`.
 #[inline(always)]
-pub fn horner_jet<T: Copy>(c: &[T; 14], s: T, t: T, mul_add: impl Fn(T, T, T) -> T) -> [T; 3] {
-    let p3 = mul_add(c[4], s, c[3]);
-    let d2 = mul_add(c[4], s, p3);
-    let p2 = mul_add(p3, s, c[2]);
-    let d1 = mul_add(d2, s, p2);
-    let p1 = mul_add(p2, s, c[1]);
-    let (q0, d0) = (mul_add(p1, s, c[0]), mul_add(d1, s, p1));
+pub fn horner_jet<T: Copy + Add<Output = T> + Mul<Output = T>>(c: &[T; 14], s: T, t: T) -> [T; 3] {
+    let p3 = c[4] * s + c[3];
+    let d2 = c[4] * s + p3;
+    let p2 = p3 * s + c[2];
+    let d1 = d2 * s + p2;
+    let p1 = p2 * s + c[1];
+    let (q0, d0) = (p1 * s + c[0], d1 * s + p1);
 
-    let p2 = mul_add(c[8], s, c[7]);
-    let d1 = mul_add(c[8], s, p2);
-    let p1 = mul_add(p2, s, c[6]);
-    let (q1, e0) = (mul_add(p1, s, c[5]), mul_add(d1, s, p1));
+    let p2 = c[8] * s + c[7];
+    let d1 = c[8] * s + p2;
+    let p1 = p2 * s + c[6];
+    let (q1, e0) = (p1 * s + c[5], d1 * s + p1);
 
-    let (q2, q3, q4) = (mul_add(c[10], s, c[9]), mul_add(c[12], s, c[11]), c[13]);
-    let ds = mul_add(mul_add(mul_add(c[12], t, c[10]), t, e0), t, d0);
+    let (q2, q3, q4) = (c[10] * s + c[9], c[12] * s + c[11], c[13]);
+    let ds = ((c[12] * t + c[10]) * t + e0) * t + d0;
 
-    let p3 = mul_add(q4, t, q3);
-    let d2 = mul_add(q4, t, p3);
-    let p2 = mul_add(p3, t, q2);
-    let d1 = mul_add(d2, t, p2);
-    let p1 = mul_add(p2, t, q1);
-    [mul_add(p1, t, q0), ds, mul_add(d1, t, p1)]
+    let p3 = q4 * t + q3;
+    let d2 = q4 * t + p3;
+    let p2 = p3 * t + q2;
+    let d1 = d2 * t + p2;
+    let p1 = p2 * t + q1;
+    [p1 * t + q0, ds, d1 * t + p1]
 }

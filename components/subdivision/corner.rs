@@ -12,6 +12,10 @@ use crate::mesh::{Connectivity, HalfedgeId, VertexId};
 /// Lattice weight of an interior edge on its far end: gamma for `theta` of 60 degrees.
 pub const LATTICE_WEIGHT: f64 = 0.375;
 
+/// Below this sine of their angle two tangents count as parallel: the angle is known to about 1e-7,
+/// so the plane that they span would be off by a thousandth.
+pub(super) const PARALLEL: f64 = 1e-4;
+
 /// The rule of one special border vertex, fixed on the root mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpecialCorner {
@@ -136,9 +140,10 @@ fn true_corner(surface: &LoopSurface, arriving: u32, leaving: u32) -> Option<Spe
             let ahead = tangent_in(surface, &surface.sides[leaving as usize], Way::Forward);
             let back = tangent_in(surface, &surface.sides[arriving as usize], Way::Backward);
             // Parallel tangents span no plane: there is nothing to flatten to.
-            let pull = match ahead.cross(back).try_normalize() {
-                Some(normal) => Pull::Flat { s, normal },
-                None => Pull::None,
+            let across = ahead.cross(back);
+            let pull = match across.try_normalize() {
+                Some(normal) if across.length() >= PARALLEL => Pull::Flat { s, normal },
+                _ => Pull::None,
             };
             Some(SpecialCorner { vertex, weight, pull, sides })
         }

@@ -243,6 +243,12 @@ impl LevelMesh {
         }
     }
 
+    /// The next half-edge counter-clockwise around the vertex that `h` leaves, if that face is here.
+    #[inline]
+    pub fn turned(&self, h: u32) -> Option<u32> {
+        self.twin(previous(h))
+    }
+
     /// The half-edges that leave `v`, counter-clockwise from its start. Of a cut vertex, those that
     /// follow the start without a gap.
     pub fn ring(&self, v: u32) -> impl Iterator<Item = u32> + '_ {

@@ -1,9 +1,14 @@
 //! Combined Loop subdivision: masks, borders, details, evaluation.
 
 mod address;
+mod border;
 pub mod boxspline;
 mod corner;
+mod entities;
+pub mod fit;
+mod lattice;
 mod level;
+mod local;
 pub mod masks;
 pub mod plain;
 mod stencil;
@@ -11,7 +16,14 @@ mod surface;
 
 pub use address::{Address, FINEST_LEVEL, FaceCode};
 pub use corner::{CornerTable, Pull, SpecialCorner, interior_angle};
-pub use level::{GivenVertex, Kind, LevelMesh, LevelVertex, NONE, Origin, RingState, SideEnd};
+pub use entities::{
+    Cage, ControlPointIndex, ControlPointOf, ControlPoints, Detail, DetailLevel, DetailOf, Position, Sides, Snapshot,
+};
+pub use lattice::{Lattice, TooFine};
+pub use level::{
+    GivenVertex, Kind, LevelMesh, LevelVertex, NONE, Origin, RingState, SideEnd, previous, sample as border_sample,
+};
+pub use local::{Descent, LimitFrame, Patch, Ring, Scheme, Tangents, limit_frame};
 pub use plain::{PlainError, PlainLoop, PlainTopology, VertexRule};
 pub use stencil::{LevelState, LimitRows, Rows, Step};
-pub use surface::{Border, CornerRule, Details, Ends, Heading, LoopSurface, Side};
+pub use surface::{Border, CornerRule, Details, Ends, Heading, LoopSurface, Side, plain_sides};

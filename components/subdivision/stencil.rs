@@ -117,11 +117,14 @@ impl Step {
         let special = |v: u32| corners.corners.get(mesh.vertices[v as usize].corner as usize);
         let [near, far] = edge_weights(special(a), special(b));
         let plain = [(a, near), (b, far), (left, 0.125), (right, 0.125)];
-        for corner in [a, b] {
+        // Where both ends draw the point, the first of the corners does, whichever way the edge runs.
+        let ends = if mesh.vertices[b as usize].corner < mesh.vertices[a as usize].corner { [b, a] } else { [a, b] };
+        for corner in ends {
             match special(corner).map(|c| c.pull) {
                 Some(Pull::Quadratic { s }) => {
                     let at = SectorEdge::of(mesh, corner, if corner == a { b } else { a });
-                    let constant = at.constant(surface, mesh, special(corner), corner);
+                    let constant = special(corner)
+                        .map_or(DVec3::ZERO, |c| at.constant(surface, mesh.level + 1, c, mesh.sample(corner)));
                     self.offsets.push((name, s * constant));
                     let pulled = plain.map(|(v, w)| (v, (1.0 - s) * w));
                     return self.rows.push(pulled.into_iter().chain([(corner, s * at.corner_weight())]));
@@ -322,7 +325,7 @@ impl ValenceWeights {
 
 /// Weights of the two ends of an interior edge. Where both ends are special, each asks for its own
 /// weights; they get the mean.
-fn edge_weights(start: Option<&SpecialCorner>, end: Option<&SpecialCorner>) -> [f64; 2] {
+pub(super) fn edge_weights(start: Option<&SpecialCorner>, end: Option<&SpecialCorner>) -> [f64; 2] {
     let of = |c: Option<&SpecialCorner>| c.map(|c| [0.75 - c.weight, c.weight]);
     match (of(start), of(end).map(|[near, far]| [far, near])) {
         (None, None) => [LATTICE_WEIGHT; 2],
@@ -336,7 +339,7 @@ fn edge_weights(start: Option<&SpecialCorner>, end: Option<&SpecialCorner>) -> [
 /// In the basis of the first border edge `a` and the last one `b` the lattice directions of the
 /// interior edges are whole numbers `(x, y)`, and the third lattice direction is `a + b` (valence 5,
 /// a sector of 240 degrees) or `a - b` (valence 6, of 300 degrees).
-struct SectorEdge {
+pub(super) struct SectorEdge {
     x: f64,
     y: f64,
     /// The sign of the third lattice direction.
@@ -345,28 +348,32 @@ struct SectorEdge {
 
 impl SectorEdge {
     fn of(mesh: &LevelMesh, corner: u32, other: u32) -> Self {
+        let spoke = mesh.neighbours(corner).position(|n| n == other).unwrap_or(1);
+        Self::new(mesh.vertices[corner as usize].valence, spoke)
+    }
+
+    /// The interior edge that is number `spoke` among the edges of a corner of `valence`, counted
+    /// counter-clockwise from the border edge that leaves it, number 0.
+    pub(super) fn new(valence: u32, spoke: usize) -> Self {
         const FIVE: [(f64, f64); 3] = [(0.0, -1.0), (-1.0, -1.0), (-1.0, 0.0)];
         const SIX: [(f64, f64); 4] = [(1.0, -1.0), (0.0, -1.0), (-1.0, 0.0), (-1.0, 1.0)];
-        let five = mesh.vertices[corner as usize].valence == 5;
+        let five = valence == 5;
         let directions = if five { &FIVE[..] } else { &SIX[..] };
-        let i = mesh.neighbours(corner).position(|n| n == other).unwrap_or(1);
-        let (x, y) = directions[(i.max(1) - 1).min(directions.len() - 1)];
+        let (x, y) = directions[(spoke.max(1) - 1).min(directions.len() - 1)];
         Self { x, y, third: if five { 1.0 } else { -1.0 } }
     }
 
     /// The weight of the corner's effective point: the quadratic's mixed derivative is
     /// `6 d' - Daa - Dbb` (or its negative), and `d' = d / 4 = (q0 - e) / 4`.
-    fn corner_weight(&self) -> f64 {
+    pub(super) fn corner_weight(&self) -> f64 {
         (1.0 - 6.0 * self.third * self.x * self.y) / 4.0
     }
 
-    /// The quadratic at `(x, y)` less the part that the corner's effective point gives.
-    fn constant(&self, surface: &LoopSurface, mesh: &LevelMesh, corner: Option<&SpecialCorner>, at: u32) -> DVec3 {
-        let Some(corner) = corner else { return DVec3::ZERO };
-        let level = mesh.level + 1;
+    /// The quadratic at `(x, y)` on `level` less the part that the corner's effective point gives;
+    /// `q0` is the curve's sample at the corner.
+    pub(super) fn constant(&self, surface: &LoopSurface, level: u32, corner: &SpecialCorner, q0: DVec3) -> DVec3 {
         let [leaving, arriving] = corner.sides.map(|s| &surface.sides[s as usize]);
         let length = (arriving.vertices.len() as u64 - 1) << level;
-        let q0 = mesh.sample(at);
         let jet = |q1: Option<DVec3>, q2: Option<DVec3>| {
             let (q1, q2) = (q1.unwrap_or(q0), q2.unwrap_or(q0));
             ((4.0 * (q1 - q0) - (q2 - q0)) / 2.0, q0 - 2.0 * q1 + q2)
@@ -380,7 +387,7 @@ impl SectorEdge {
 
 /// The seed's flatness: towards the tangent plane, at the distance of `x` itself from `tip`.
 /// A point straight above the tip has no direction in the plane: it goes towards the tip.
-fn flatten(x: DVec3, tip: DVec3, pull: Pull) -> DVec3 {
+pub(super) fn flatten(x: DVec3, tip: DVec3, pull: Pull) -> DVec3 {
     let Pull::Flat { s, normal } = pull else { return x };
     let inside = x - normal * (x - tip).dot(normal);
     let in_plane = (x - tip).length() * (inside - tip).normalize_or_zero();

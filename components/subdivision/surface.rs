@@ -5,7 +5,8 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::address::Address;
-use crate::curve::CurveParameters;
+pub use crate::curve::Heading;
+use crate::curve::{CurveParameters, Traversal};
 use crate::mesh::{Connectivity, VertexId};
 
 /// A combined Loop subdivision surface with multiresolution details. [Litke et al. 2001, Section 2]
@@ -36,6 +37,43 @@ pub struct Side {
     pub border: Border,
 }
 
+impl LoopSurface {
+    /// A surface whose borders are all plain, with the `corners` that are declared; those that do
+    /// not lie on a border mean nothing and are passed over.
+    pub fn plain(mesh: Arc<Connectivity>, points: Vec<DVec3>, corners: &[VertexId]) -> Self {
+        let sides = plain_sides(&mesh, corners);
+        Self { mesh, points, sides, corner_rule: CornerRule::default(), details: Details::default() }
+    }
+}
+
+/// The borders of `mesh` as plain sides, cut at the `corners`; by border loop, then along it.
+pub fn plain_sides(mesh: &Connectivity, corners: &[VertexId]) -> Vec<Side> {
+    let mut declared = vec![false; mesh.vertex_count()];
+    for corner in corners {
+        if let Some(slot) = declared.get_mut(corner.index()) {
+            *slot = true;
+        }
+    }
+    let mut sides = Vec::new();
+    for mut walk in mesh.border_loops() {
+        let Some(first) = walk.iter().position(|v| declared[v.index()]) else {
+            sides.push(Side { vertices: walk, ends: Ends::Closed, border: Border::Plain });
+            continue;
+        };
+        walk.rotate_left(first);
+        walk.push(walk[0]);
+        let mut begin = 0;
+        for end in 1..walk.len() {
+            if declared[walk[end].index()] {
+                let vertices = walk[begin..=end].to_vec();
+                sides.push(Side { vertices, ends: Ends::Corners, border: Border::Plain });
+                begin = end;
+            }
+        }
+    }
+    sides
+}
+
 impl Side {
     /// How many edges it has on the root mesh.
     pub fn edge_count(&self) -> usize {
@@ -46,13 +84,7 @@ impl Side {
     /// first vertex; `None` on a plain side.
     pub fn curve_index(&self, level: u32, step: u64) -> Option<u64> {
         let Border::Given { curve, first, heading } = &self.border else { return None };
-        let first = first << level;
-        Some(match (heading, curve.closed()) {
-            (Heading::Along, false) => first + step,
-            (Heading::Along, true) => (first + step) % curve.count(level),
-            (Heading::Against, false) => first - step,
-            (Heading::Against, true) => (first + curve.count(level) - step) % curve.count(level),
-        })
+        Some(Traversal { first: *first, heading: *heading }.vertex(curve, level, step))
     }
 }
 
@@ -79,15 +111,6 @@ pub enum Border {
         /// Which way the side walks along the curve.
         heading: Heading,
     },
-}
-
-/// Which way a side walks along its curve.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Heading {
-    /// Parameters rise along the side.
-    Along,
-    /// Parameters fall along the side.
-    Against,
 }
 
 /// What acts on the interior edges that start at a corner.

@@ -8,236 +8,27 @@
 
 use std::sync::Arc;
 
+use bevy_ecs::prelude::Component;
 use glam::DVec3;
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::VertexId;
+pub use selvedge_components::subdivision::fit::{
+    FitError, FitOptions, Outcome, Quantum, Region, Rule, Rung, Stage, Storage,
+};
 use selvedge_components::subdivision::{
     Address, CornerTable, Details, FaceCode, Kind, LevelMesh, LimitRows, LoopSurface, RingState, SideEnd, Step,
 };
-use thiserror::Error;
 
 use super::chain::{self, Level};
 use super::modify::Solve;
-use super::quasi::{BoundaryStencil, CornerStencil};
 use super::region;
-use crate::target::{Target, TargetError};
-
-/// How a fit is made.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FitOptions {
-    /// How details are found.
-    pub rule: Rule,
-    /// The distance to the target, in model units, at which the fit ends; `None` refines every
-    /// patch down to the last level.
-    pub tolerance: Option<f64>,
-    /// The finest level that may have details.
-    pub last_level: u32,
-    /// Where details may stand.
-    pub region: Region,
-    /// What each coefficient is rounded to when it is stored.
-    pub storage: Storage,
-    /// The most details that may be stored.
-    pub most_details: usize,
-}
-
-impl Default for FitOptions {
-    fn default() -> Self {
-        Self {
-            rule: Rule::LeastSquares,
-            tolerance: None,
-            last_level: 5,
-            region: Region::Whole,
-            storage: Storage::F64,
-            most_details: 4_000_000,
-        }
-    }
-}
-
-/// How details are found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rule {
-    /// A few steps of conjugate gradients on the least-squares problem of each level.
-    LeastSquares,
-    /// The seed's quasi-interpolation stencils. [Litke et al. 2001, Fig. 5]
-    Quasi {
-        /// What smooth border vertices use.
-        boundary: BoundaryStencil,
-        /// What corners use.
-        corner: CornerStencil,
-    },
-}
-
-/// Where details may stand.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Region {
-    /// Everywhere.
-    Whole,
-    /// Only where all patches they move descend from these root faces (ascending): the fixed Omega.
-    Faces(Vec<FaceCode>),
-    /// Everywhere down to a level; from there on only within some rings of one root vertex.
-    Around {
-        /// The vertex.
-        vertex: VertexId,
-        /// How many rings of faces of the level in work.
-        rings: u32,
-        /// The first level that is limited.
-        from_level: u32,
-    },
-}
-
-impl Region {
-    /// The faces of `level` among `faces` that lie in the region.
-    pub(super) fn within(&self, surface: &LoopSurface, level: u32, mut faces: Vec<FaceCode>) -> Vec<FaceCode> {
-        match self {
-            Self::Whole => {}
-            Self::Faces(omega) => faces.retain(|f| omega.binary_search(&FaceCode(f.0 >> (2 * level))).is_ok()),
-            Self::Around { vertex, rings, from_level } => {
-                if level >= *from_level {
-                    let zone = zone(surface, level, *vertex, *rings);
-                    faces.retain(|f| zone.binary_search(f).is_ok());
-                }
-            }
-        }
-        faces
-    }
-}
-
-/// What each coefficient is rounded to when it is stored; all sums are in f64.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Storage {
-    /// Not at all.
-    F64,
-    /// To the nearest f32.
-    F32,
-}
-
-impl Storage {
-    pub(super) fn round(self, x: DVec3) -> DVec3 {
-        match self {
-            Self::F64 => x,
-            Self::F32 => x.as_vec3().as_dvec3(),
-        }
-    }
-}
-
-/// The stage that comes next.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// Closest points on the target.
-    Correspond,
-    /// New details.
-    Modify,
-    /// Measure, and open the next level.
-    Refine,
-}
-
-/// What one work quantum led to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantum {
-    /// The stage has more to do.
-    More,
-    /// The stage is done; this one is next.
-    Next(Stage),
-    /// The fit is done: see [`FitWork::outcome`].
-    Finished,
-}
-
-/// One row of the error ladder.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rung {
-    /// The level whose details are in.
-    pub level: u32,
-    /// Greatest distance to the target, over all patches, each sampled at the limit points two
-    /// levels finer than its details.
-    pub max: f64,
-    /// Where.
-    pub max_at: DVec3,
-    /// Greatest distance over the patches that this level could influence.
-    pub max_here: f64,
-    /// Mean distance over the points sampled at this level.
-    pub mean: f64,
-    /// Details stored up to this level.
-    pub details: usize,
-    /// Coefficients that this level could move.
-    pub active: usize,
-    /// Points sampled.
-    pub samples: usize,
-}
-
-/// How a fit ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Outcome {
-    /// Every patch is within the tolerance (or none was asked for, and the last level is in).
-    Within,
-    /// The last level is in and this is still too much.
-    LevelsSpent {
-        /// Greatest distance left.
-        achieved: f64,
-        /// Where.
-        at: DVec3,
-    },
-    /// Patches that the region does not let move are too far off.
-    OutOfReach {
-        /// Greatest distance left.
-        achieved: f64,
-        /// Where.
-        at: DVec3,
-    },
-}
-
-/// Why a fit stopped.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum FitError {
-    /// The tolerance is not a positive number.
-    #[error("the tolerance {tolerance} is not a positive distance")]
-    BadTolerance {
-        /// What was asked for.
-        tolerance: f64,
-    },
-    /// The tolerance is below what the coordinates can hold.
-    #[error("the tolerance {tolerance} is below {least}, the rounding of coordinates of this size")]
-    ToleranceBelowRounding {
-        /// What was asked for.
-        tolerance: f64,
-        /// The least that can be asked for.
-        least: f64,
-    },
-    /// The level is finer than faces of this mesh can be addressed.
-    #[error("level {level} is finer than the finest that {faces} root faces allow, {finest}")]
-    TooFine {
-        /// What was asked for.
-        level: u32,
-        /// Root faces.
-        faces: usize,
-        /// The finest possible.
-        finest: u32,
-    },
-    /// A control point or curve sample is not finite.
-    #[error("the surface is not finite at {vertex:?}: {at}")]
-    NotFinite {
-        /// The vertex.
-        vertex: VertexId,
-        /// Its position.
-        at: DVec3,
-    },
-    /// The target gave no answer.
-    #[error(transparent)]
-    Target(#[from] TargetError),
-    /// There would be more details than allowed.
-    #[error("level {level} would bring the details to {details}, more than the {limit} allowed")]
-    TooManyDetails {
-        /// The level.
-        level: u32,
-        /// How many there would be.
-        details: usize,
-        /// How many there may be.
-        limit: usize,
-    },
-}
+use crate::target::Target;
 
 /// A fit in progress: all its dense state.
-#[derive(Debug)]
+///
+/// Lives as a component on its job while that runs. What it holds is derived: losing it costs time
+/// and nothing else.
+#[derive(Component, Debug)]
 pub struct FitWork {
     pub(super) surface: Arc<LoopSurface>,
     pub(super) target: Arc<dyn Target>,
@@ -292,8 +83,9 @@ impl FitWork {
         check_options(&surface, &options)?;
         let corners = CornerTable::new(&surface);
         let details = surface.details.clone();
-        let faces = region::whole(&surface.mesh, 0);
-        let mut open = OpenLevel::new(&surface, &corners, &details, 0, faces);
+        let level = first_level(&surface)?;
+        let faces = region::whole(&surface.mesh, level);
+        let mut open = OpenLevel::new(&surface, &corners, &details, level, faces);
         for (v, &at) in open.levels[0].state.effective.iter().enumerate() {
             if !at.is_finite() {
                 return Err(FitError::NotFinite { vertex: VertexId::new(v), at });
@@ -377,7 +169,7 @@ impl FitWork {
         &self.details
     }
 
-    /// The revision-independent source.
+    /// What is being fitted.
     pub fn surface(&self) -> &Arc<LoopSurface> {
         &self.surface
     }
@@ -411,6 +203,20 @@ pub struct ErrorMap {
     pub errors: Vec<f64>,
     /// Three points each.
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// The level that a fit begins with: 0, or the one at which measuring two levels deeper meets the
+/// finest of the source's own details.
+fn first_level(surface: &LoopSurface) -> Result<u32, FitError> {
+    /// 4^11: some seconds of work, and about 3 GiB two levels deeper.
+    const MOST_FACES: u64 = 1 << 22;
+    let depth = surface.details.depth();
+    let level = depth.saturating_sub(3);
+    let faces = (surface.mesh.face_count() as u64).saturating_mul(1 << (2 * level).min(62));
+    if level > 0 && faces > MOST_FACES {
+        return Err(FitError::SourceTooDeep { depth, faces, limit: MOST_FACES });
+    }
+    Ok(level)
 }
 
 fn check_options(surface: &LoopSurface, options: &FitOptions) -> Result<(), FitError> {
@@ -524,6 +330,21 @@ impl OpenLevel {
         self.active = self.movable.iter().map(|&v| (self.level, self.addresses[v as usize])).collect();
         self.active.sort_unstable();
     }
+}
+
+/// The faces of `level` among `faces` where `region` lets details stand.
+pub(super) fn within(region: &Region, surface: &LoopSurface, level: u32, mut faces: Vec<FaceCode>) -> Vec<FaceCode> {
+    match region {
+        Region::Whole => {}
+        Region::Faces(omega) => faces.retain(|f| omega.binary_search(&FaceCode(f.0 >> (2 * level))).is_ok()),
+        Region::Around { vertex, rings, from_level } => {
+            if level >= *from_level {
+                let zone = zone(surface, level, *vertex, *rings);
+                faces.retain(|f| zone.binary_search(f).is_ok());
+            }
+        }
+    }
+    faces
 }
 
 /// All faces of `level` within `rings` rings of a root vertex.

@@ -25,7 +25,7 @@ use crate::parallel::map_in_order;
 pub const STEPS: u32 = 10;
 
 /// Rounds at level 0, where the surface may start far from its target; later levels start close.
-const FIRST_ROUNDS: u32 = 3;
+pub(super) const FIRST_ROUNDS: u32 = 3;
 
 /// One least-squares problem on its way.
 #[derive(Debug)]

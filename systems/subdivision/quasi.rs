@@ -8,26 +8,19 @@
 use glam::DVec3;
 use selvedge_components::subdivision::{GivenVertex, Kind, LevelMesh, Origin, SideEnd, masks};
 
+pub use selvedge_components::subdivision::fit::{BoundaryStencil, CornerStencil};
+
 use super::fit::{FitWork, Quantum, Stage};
+use super::modify::FIRST_ROUNDS;
 
-/// What smooth border vertices of valence 4 use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BoundaryStencil {
-    /// `(apex - n1 - n2) / 6`: exact on quadratics.
-    Quadratic,
-    /// Three rows: exact on cubics; the quadratic one where the rows are not regular.
-    Cubic,
-}
+/// Weights of [`BoundaryStencil::Quadratic`] on the two interior neighbours and the vertex beyond
+/// them: a rhombus, whose fourth point is the border vertex itself, where the residual is zero.
+pub const QUADRATIC: [f64; 3] = [-1.0 / 6.0, -1.0 / 6.0, 1.0 / 6.0];
 
-/// What corners use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CornerStencil {
-    /// The mean of the details just found at the two border neighbours, as printed.
-    Mean,
-    /// Extrapolation `2 d1 - d2` at valence 3 and the cubic stencil at valence 2: what contracts
-    /// best of the stencils that are exact on polynomials.
-    Mended,
-}
+/// Weights of [`BoundaryStencil::Cubic`]: two neighbours, the vertex beyond them and the two beside
+/// it, and two of the third row. The only symmetric combination of these seven points that is exact
+/// on cubics.
+pub const CUBIC: [f64; 7] = [-5.0 / 12.0, -5.0 / 12.0, 0.5, 1.0 / 12.0, 1.0 / 12.0, -1.0 / 12.0, -1.0 / 12.0];
 
 /// Does the rule read the residual at vertex `v` of the finer level?
 pub(super) fn is_read(finer: &LevelMesh, v: u32) -> bool {
@@ -41,7 +34,7 @@ impl FitWork {
         let open = &self.open;
         let mesh = &open.levels[0].mesh;
         let residuals = self.residuals_of_level();
-        let interpolating = open.round == 1;
+        let interpolating = open.level > 0 && open.round == 1;
         let irregular = |v: u32| {
             let vertex = mesh.vertices[v as usize];
             open.level > 0 && vertex.kind == Kind::Interior && vertex.valence != 6
@@ -60,7 +53,9 @@ impl FitWork {
                 _ => DVec3::ZERO,
             })
             .collect();
-        let more = !interpolating && open.movable.iter().any(|&v| irregular(v));
+        // Level 0 goes round again as the least-squares rule does: its residuals are not smooth yet.
+        let repeat = open.level == 0 && open.round + 1 < FIRST_ROUNDS;
+        let more = repeat || !interpolating && open.movable.iter().any(|&v| irregular(v));
         self.take_moves(&moves);
         self.open.round += 1;
         self.go_to(if more { Stage::Correspond } else { Stage::Refine })
@@ -90,6 +85,10 @@ impl Stencils<'_> {
         self.residuals[v as usize]
     }
 
+    fn sum<const N: usize>(&self, weights: &[f64; N], vertices: [u32; N]) -> DVec3 {
+        weights.iter().zip(vertices).fold(DVec3::ZERO, |sum, (&w, v)| sum + w * self.at(v))
+    }
+
     /// Fig. 5a: `(1 - k beta) centre + beta ring`.
     fn interior(&self, v: u32) -> DVec3 {
         let beta = -0.5 / f64::from(self.mesh.vertices[v as usize].valence);
@@ -114,16 +113,14 @@ impl Stencils<'_> {
         let joining = after(mesh.ring(given.vertex).nth(1)?);
         let across = mesh.twin(joining)?;
         let apex = mesh.opposite(across);
-        let near = self.at(n1) + self.at(n2);
-        let quadratic = (self.at(apex) - near) / 6.0;
+        let quadratic = self.sum(&QUADRATIC, [n1, n2, apex]);
         if kind == BoundaryStencil::Quadratic {
             return Some(quadratic);
         }
         Some(self.cubic(n1, n2, apex, across).unwrap_or(quadratic))
     }
 
-    /// Rows 1 to 3 with weights `-5/2, -5/2; 1/2, 3, 1/2; -1/2, -1/2`, over 6: the only symmetric
-    /// combination of these seven points that is exact on cubics.
+    /// [`CUBIC`], where all three rows are regular.
     fn cubic(&self, n1: u32, n2: u32, apex: u32, across: u32) -> Option<DVec3> {
         let mesh = self.mesh;
         // `across` runs n2 -> n1 in the face of the apex.
@@ -139,9 +136,7 @@ impl Stencils<'_> {
         if ![n1, n2, apex, w1, w2].iter().all(regular) {
             return None;
         }
-        let rows = -2.5 * (self.at(n1) + self.at(n2)) + 3.0 * self.at(apex) + 0.5 * (self.at(w1) + self.at(w2))
-            - 0.5 * (self.at(z1) + self.at(z2));
-        Some(rows / 6.0)
+        Some(self.sum(&CUBIC, [n1, n2, apex, w1, w2, z1, z2]))
     }
 
     /// The detail of the corner `v` from those of its neighbours along the border, or from the
@@ -180,13 +175,9 @@ impl Stencils<'_> {
         let mesh = self.mesh;
         let opposite = mesh.twin(after(mesh.vertices[v as usize].start))?;
         let m = mesh.opposite(opposite);
-        let beside = |h: u32| {
-            let a = mesh.twin(h)?;
-            Some(a)
-        };
         // The two other edges of m's face; beyond each of them, the edge from m on.
-        let first = beside(after(opposite)).and_then(|h| mesh.twin(before(h)).map(|t| mesh.opposite(t)));
-        let second = beside(before(opposite)).and_then(|h| mesh.twin(after(h)).map(|t| mesh.opposite(t)));
+        let first = mesh.twin(after(opposite)).and_then(|h| mesh.twin(before(h)).map(|t| mesh.opposite(t)));
+        let second = mesh.twin(before(opposite)).and_then(|h| mesh.twin(after(h)).map(|t| mesh.opposite(t)));
         let inside = |v: &u32| mesh.vertices[*v as usize].kind == Kind::Interior;
         Some(match (first.filter(inside), second.filter(inside)) {
             (Some(w1), Some(w2)) => -(3.0 * self.at(m) - 0.5 * (self.at(w1) + self.at(w2))) / 6.0,

@@ -11,7 +11,7 @@
 use glam::DVec3;
 use selvedge_components::subdivision::FaceCode;
 
-use super::fit::{FitError, FitWork, OpenLevel, Outcome, Quantum, Rung, Stage};
+use super::fit::{FitError, FitWork, OpenLevel, Outcome, Quantum, Rung, Stage, within};
 use super::region;
 use crate::parallel::map_in_order;
 
@@ -29,6 +29,9 @@ impl FitWork {
     /// # Errors
     /// When the target has no answer, or the next level would pass the budget.
     pub fn refine(&mut self) -> Result<Quantum, FitError> {
+        if self.ladder.last().is_some_and(|rung| rung.level == self.open.level) {
+            return self.open_next();
+        }
         let open = &mut self.open;
         let begin = open.distances.len();
         let end = open.test_rows.vertices.len().min(begin + QUANTUM);
@@ -63,14 +66,17 @@ impl FitWork {
             return Ok(self.go_to(Stage::Correspond));
         }
         self.ladder.push(rung);
-        let limit = self.options.tolerance.map_or(-1.0, |t| MARGIN * t);
-        let failing: Vec<FaceCode> = patches.iter().filter(|p| p.1 > limit).map(|p| p.0).collect();
         let spent = self.open.level == self.options.last_level;
-        if failing.is_empty() || spent {
-            let achieved = (rung.max, rung.max_at);
-            return Ok(self.finish(self.judgement(achieved)));
+        if spent || patches.iter().all(|p| p.1 <= self.limit()) {
+            return Ok(self.finish(self.judgement((rung.max, rung.max_at))));
         }
-        self.open_next(&patches, &failing)
+        // A quantum of its own opens the next level; until then the rung can be looked at.
+        Ok(Quantum::More)
+    }
+
+    /// The error at which a patch is not good enough.
+    fn limit(&self) -> f64 {
+        self.options.tolerance.map_or(-1.0, |t| MARGIN * t)
     }
 
     fn judgement(&self, (achieved, at): (f64, DVec3)) -> Outcome {
@@ -86,9 +92,11 @@ impl FitWork {
         }
     }
 
-    fn open_next(&mut self, patches: &[(FaceCode, f64, DVec3)], failing: &[FaceCode]) -> Result<Quantum, FitError> {
+    fn open_next(&mut self) -> Result<Quantum, FitError> {
+        let patches = self.open.patch_errors();
+        let failing: Vec<FaceCode> = patches.iter().filter(|p| p.1 > self.limit()).map(|p| p.0).collect();
         let level = self.open.level + 1;
-        let faces = self.options.region.within(&self.surface, level, region::children(failing));
+        let faces = within(&self.options.region, &self.surface, level, region::children(&failing));
         let mut next = OpenLevel::new(&self.surface, &self.corners, &self.details, level, faces);
         next.allow(&self.surface, &self.options.region);
         if next.movable.is_empty() {

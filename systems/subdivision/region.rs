@@ -48,7 +48,7 @@ pub fn ascending(mut faces: Vec<FaceCode>) -> Vec<FaceCode> {
 }
 
 /// Adds the other faces around one corner of `face`.
-fn fan(mesh: &Connectivity, level: u32, face: FaceCode, corner: usize, out: &mut Vec<FaceCode>) {
+pub fn fan(mesh: &Connectivity, level: u32, face: FaceCode, corner: usize, out: &mut Vec<FaceCode>) {
     let mut at = (face, corner);
     while let Some(next) = at.0.across(mesh, level, (at.1 + 2) % 3) {
         if next.0 == face {

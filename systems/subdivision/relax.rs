@@ -11,7 +11,7 @@
 
 use glam::DVec3;
 use selvedge_components::curve::Curve;
-use selvedge_components::subdivision::Heading;
+use selvedge_components::curve::Heading;
 
 /// How the relaxation is run.
 #[derive(Clone, Copy, Debug, PartialEq)]

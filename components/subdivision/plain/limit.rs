@@ -56,13 +56,8 @@ impl PlainLoop {
     /// two border edges, or of one and the ring's middle edge where these two are parallel.
     pub fn vertex_normal(&self, v: VertexId) -> DVec3 {
         let mesh = self.topology().mesh();
-        let (q, spokes): (_, Vec<DVec3>) = (self.point(v), mesh.neighbours(v).map(|n| self.point(n)).collect());
-        let (a, b) = match self.topology().rule(v) {
-            VertexRule::Interior => spoke_tangents(VertexRule::Interior, q, &spokes, 0),
-            VertexRule::Border => border_frame(q, &spokes),
-            VertexRule::Corner => return corner_normal(q, &spokes),
-        };
-        a.cross(b).normalize_or_zero()
+        let spokes: Vec<DVec3> = mesh.neighbours(v).map(|n| self.point(n)).collect();
+        vertex_normal(self.topology().rule(v), self.point(v), &spokes)
     }
 
     /// The next and the previous border vertex's control points.
@@ -72,6 +67,17 @@ impl PlainLoop {
         let previous = mesh.last_border_neighbour(v).expect("a border vertex has a previous one");
         [self.point(next), self.point(previous)]
     }
+}
+
+/// The unit normal at a vertex with control point `q` and neighbours `spokes`, counter-clockwise and on
+/// a border from the next border vertex to the previous one: see [`PlainLoop::vertex_normal`].
+pub fn vertex_normal(rule: VertexRule, q: DVec3, spokes: &[DVec3]) -> DVec3 {
+    let (a, b) = match rule {
+        VertexRule::Interior => spoke_tangents(VertexRule::Interior, q, spokes, 0),
+        VertexRule::Border => border_frame(q, spokes),
+        VertexRule::Corner => return corner_normal(q, spokes),
+    };
+    a.cross(b).normalize_or_zero()
 }
 
 /// `(1, 4, 1) / 6`: a cubic B-spline at its knot.

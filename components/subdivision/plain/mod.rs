@@ -16,6 +16,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+pub use limit::vertex_normal;
 pub use patch::PatchReader;
 pub use place::{Piece, Place};
 pub use topology::{PlainError, PlainTopology, VertexRule};

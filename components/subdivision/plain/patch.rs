@@ -216,7 +216,7 @@ impl<'a> PatchReader<'a> {
             Place::in_irregular(at.st.x, at.st.y)
         };
         let quartic = self.quartic(at.face, place.piece);
-        place.to_face(quartic.jet(place.s, place.t))
+        place.piece.to_face(quartic.jet(place.s, place.t))
     }
 }
 

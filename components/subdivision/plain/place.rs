@@ -47,10 +47,48 @@ impl Piece {
         }
     }
 
+    /// The piece of this rank.
+    #[inline]
+    pub const fn of_rank(rank: u32) -> Self {
+        match rank {
+            0 => Self::Whole,
+            1 => Self::Middle,
+            2..=4 => Self::Vertex { corner: rank as u8 - 2 },
+            _ => {
+                let (depth, place) = ((rank - 5) / 9, (rank - 5) % 9);
+                Self::Corner { corner: (place / 3) as u8, depth: depth as u8, quarter: (place % 3) as u8 }
+            }
+        }
+    }
+
+    /// The corner whose coordinates this piece's follow.
+    #[inline]
+    pub const fn corner(self) -> u8 {
+        match self {
+            Self::Corner { corner, .. } | Self::Vertex { corner } => corner,
+            Self::Whole | Self::Middle => 0,
+        }
+    }
+
+    /// How much faster this piece's coordinates run than the corner's: a power of two, negative where
+    /// the piece is turned by half a turn.
+    #[inline]
+    pub fn scale(self) -> f64 {
+        match self {
+            Self::Whole | Self::Vertex { .. } => 1.0,
+            Self::Middle => -2.0,
+            // Built from its exponent: 2^(depth + 2).
+            Self::Corner { depth, quarter, .. } => {
+                let size = f64::from_bits((1025 + depth as u64) << 52);
+                if quarter == 2 { -size } else { size }
+            }
+        }
+    }
+
     pub(super) const QUARTERS: [Quarter; 3] = [Quarter::First, Quarter::Second, Quarter::Middle];
 }
 
-/// A place in a piece: the piece's own coordinates and how they grow with those of the face.
+/// A place in a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// The piece.
@@ -59,9 +97,6 @@ pub struct Place {
     pub s: f64,
     /// As `s`.
     pub t: f64,
-    /// How much faster `(s, t)` run than the corner's coordinates: a power of two, negative where
-    /// the piece is turned by half a turn.
-    pub scale: f64,
 }
 
 /// Puts `(s, t)` into the unit triangle. What is not a number becomes 0.
@@ -85,7 +120,7 @@ impl Place {
     #[inline(always)]
     pub fn in_regular(s: f64, t: f64) -> Self {
         let (s, t) = clamp(s, t);
-        Self { piece: Piece::Whole, s, t, scale: 1.0 }
+        Self { piece: Piece::Whole, s, t }
     }
 
     /// The place of `(s, t)` in a face that is not regular.
@@ -103,41 +138,39 @@ impl Place {
         } else if s + t < 0.5 {
             Self::around(0, s, t)
         } else {
-            Self { piece: Piece::Middle, s: 1.0 - 2.0 * s, t: 1.0 - 2.0 * t, scale: -2.0 }
+            Self { piece: Piece::Middle, s: 1.0 - 2.0 * s, t: 1.0 - 2.0 * t }
         }
     }
 
     /// The place with weights `a` and `b`, together at most 1/2, on the two corners after `corner`.
     #[inline(always)]
     fn around(corner: u8, a: f64, b: f64) -> Self {
-        let (mut a, mut b, mut scale) = (2.0 * a.max(0.0), 2.0 * b.max(0.0), 2.0);
+        let (mut a, mut b) = (2.0 * a.max(0.0), 2.0 * b.max(0.0));
         let mut depth = 0;
         while a + b <= 0.5 {
             if depth == DEEPEST {
-                return Self { piece: Piece::Vertex { corner }, s: 0.0, t: 0.0, scale: 1.0 };
+                return Self { piece: Piece::Vertex { corner }, s: 0.0, t: 0.0 };
             }
-            (a, b, scale) = (2.0 * a, 2.0 * b, 2.0 * scale);
+            (a, b) = (2.0 * a, 2.0 * b);
             depth += 1;
         }
         let piece = |quarter| Piece::Corner { corner, depth: depth as u8, quarter };
         if a > 0.5 {
-            Self { piece: piece(0), s: 2.0 * a - 1.0, t: 2.0 * b, scale: 2.0 * scale }
+            Self { piece: piece(0), s: 2.0 * a - 1.0, t: 2.0 * b }
         } else if b > 0.5 {
-            Self { piece: piece(1), s: 2.0 * a, t: 2.0 * b - 1.0, scale: 2.0 * scale }
+            Self { piece: piece(1), s: 2.0 * a, t: 2.0 * b - 1.0 }
         } else {
-            Self { piece: piece(2), s: 1.0 - 2.0 * a, t: 1.0 - 2.0 * b, scale: -2.0 * scale }
+            Self { piece: piece(2), s: 1.0 - 2.0 * a, t: 1.0 - 2.0 * b }
         }
     }
+}
 
+impl Piece {
     /// Derivatives by the face's coordinates from those by the piece's own.
     #[inline(always)]
-    pub fn to_face(&self, jet: Jet) -> Jet {
-        let (a, b) = (jet.ds * self.scale, jet.dt * self.scale);
-        let corner = match self.piece {
-            Piece::Corner { corner, .. } | Piece::Vertex { corner } => corner,
-            Piece::Whole | Piece::Middle => 0,
-        };
-        let (ds, dt) = turn(corner, a, b);
+    pub fn to_face(self, jet: Jet) -> Jet {
+        let scale = self.scale();
+        let (ds, dt) = turn(self.corner(), jet.ds * scale, jet.dt * scale);
         Jet { position: jet.position, ds, dt }
     }
 }

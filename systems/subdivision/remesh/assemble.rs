@@ -12,7 +12,7 @@ use selvedge_components::subdivision::{Address, Details, FaceCode, LoopSurface, 
 
 use super::super::region;
 use super::super::relax::{Relaxed, curve_parameter};
-use super::attach::Strip;
+use super::attach::{KnotKind, Strip};
 use super::closure::{Part, Piece, at_level};
 use super::remove::{Fate, Trouble};
 use super::{Work, cleanup, manifold, sides};
@@ -246,11 +246,19 @@ impl Parts {
     }
 }
 
-/// The travel of a knot as the curve's own parameter.
+/// The travel of a knot as the curve's own parameter; that of a corner to the bit.
 pub(super) fn knot_parameter(work: &Work<'_>, strip: u32, knot: u32) -> f64 {
     let strip = &work.strips[strip as usize];
     let cut = &work.cuts[strip.cut as usize];
-    curve_parameter(&*cut.curve, cut.heading, strip.knots[knot as usize].t)
+    let knot = &strip.knots[knot as usize];
+    let u = curve_parameter(&*cut.curve, cut.heading, knot.t);
+    if knot.kind == KnotKind::Smooth || knot.kind == KnotKind::End {
+        return u;
+    }
+    // A few sums and differences of numbers of the size of one lie between.
+    let apart = |v: f64| (u - v - (u - v).round()).abs();
+    let nearest = cut.curve.corners().iter().copied().min_by(|a, b| apart(*a).total_cmp(&apart(*b)));
+    nearest.unwrap_or(u)
 }
 
 fn limit(work: &Work<'_>, vertex: Vertex) -> DVec3 {

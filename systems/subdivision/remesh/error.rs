@@ -1,11 +1,12 @@
 //! Why a surface could not be remeshed: what, where and by how much.
 
 use glam::DVec3;
+use selvedge_components::curve::ParameterError;
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::{Fault, VertexId};
 use thiserror::Error;
 
-use crate::target::TargetError;
+use selvedge_components::target::TargetError;
 
 /// A curve has no usable pre-image on the surface.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -191,6 +192,15 @@ pub enum RemeshError {
         vertex: VertexId,
         /// Its limit point.
         at: DVec3,
+    },
+    /// The parameters found along a curve, or along a side of the source that was refined, make no
+    /// sound list: the curve turns too fast for the cage, or has a corner that its pre-image missed.
+    #[error("the parameters along curve or side {curve} are not sound: {source}")]
+    Parameters {
+        /// The curve, or the source's side, by index.
+        curve: usize,
+        /// Why.
+        source: ParameterError,
     },
     /// The new cage is no manifold: a defect of this engine, never passed on as a mesh.
     #[error("the new cage is not a manifold: {}", .faults.first().map_or_else(String::new, ToString::to_string))]

@@ -36,9 +36,9 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::DVec3;
-use selvedge_components::curve::{Curve, CurveParameters};
+use selvedge_components::curve::{Curve, CurveParameters, Heading};
 use selvedge_components::mesh::Connectivity;
-use selvedge_components::subdivision::{CornerTable, Heading, LoopSurface, NONE};
+use selvedge_components::subdivision::{CornerTable, LoopSurface, NONE};
 
 pub use adapt::AdaptOptions;
 pub use assemble::{FaceOrigin, Remeshed, VertexOrigin};
@@ -237,7 +237,7 @@ fn cut_once(
         strips: &strips,
         parameters: Vec::new(),
     };
-    work.parameters = (0..strips.len() as u32).map(|s| sides::strip_parameters(&work, s)).collect();
+    work.parameters = (0..strips.len() as u32).map(|s| sides::strip_parameters(&work, s)).collect::<Result<_, _>>()?;
     assemble::assemble(&work, relaxed)
 }
 

@@ -12,7 +12,7 @@ use selvedge_components::mesh::{Connectivity, HalfedgeId};
 
 use super::error::PreImageError;
 use super::path::{self, Join};
-use crate::target::Target;
+use selvedge_components::target::Target;
 
 /// A point of a pre-image.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,14 +8,15 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use selvedge_components::curve::{Curve, CurveParameters};
+use selvedge_components::curve::{Curve, CurveParameters, Extent, Heading, wrap};
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::{Connectivity, EdgeId, HalfedgeId, VertexId};
-use selvedge_components::subdivision::{Address, Border, Ends, Heading, LoopSurface, Side};
+use selvedge_components::subdivision::{Address, Border, Ends, LoopSurface, Side};
 
 use super::Work;
 use super::assemble::{Parts, Vertex, knot_parameter};
 use super::attach::KnotKind;
+use super::error::RemeshError;
 use super::remove::{Place as CurvePlace, Trouble};
 
 /// The sides, and what follows from them.
@@ -61,7 +62,7 @@ pub(super) fn sides(work: &Work<'_>, parts: &Parts, mesh: &Connectivity) -> Resu
     for run in runs {
         match run.owner {
             Owner::Strip(s) => out.sides.push(cut_side(work, parts, s, run)),
-            Owner::Source(s) => source_side(work, parts, &borders, s as usize, run, &mut out),
+            Owner::Source(s) => source_side(work, parts, &borders, s as usize, run, &mut out)?,
         }
     }
     Ok(out)
@@ -220,7 +221,7 @@ fn cut_side(work: &Work<'_>, parts: &Parts, s: u32, run: Run) -> Side {
 }
 
 /// The parameters of a strip's knots, which its sides share, and the index of each knot in them.
-pub(super) fn strip_parameters(work: &Work<'_>, s: u32) -> (Arc<CurveParameters>, Vec<u64>) {
+pub(super) fn strip_parameters(work: &Work<'_>, s: u32) -> Result<(Arc<CurveParameters>, Vec<u64>), Trouble> {
     let strip = &work.strips[s as usize];
     let cut = &work.cuts[strip.cut as usize];
     let n = strip.knots.len();
@@ -235,17 +236,27 @@ pub(super) fn strip_parameters(work: &Work<'_>, s: u32) -> (Arc<CurveParameters>
         if cut.heading == Heading::Against {
             order.reverse();
         }
-        order.iter().map(|&k| strip.knots[k].t.abs()).collect()
+        order.iter().map(|&k| knot_parameter(work, s, k as u32)).collect()
     };
     let mut index = vec![0; n];
     order.iter().enumerate().for_each(|(i, &k)| index[k] = i as u64);
     let is_corner = |&i: &usize| strip.knots[order[i]].kind != KnotKind::Smooth;
-    let corners = (0..n).filter(is_corner).collect();
-    (parameters(&cut.curve, u, closed, corners), index)
+    let corners: Vec<usize> = (0..n).filter(is_corner).collect();
+    Ok((parameters(&cut.curve, u, closed, &corners, strip.cut as usize)?, index))
 }
 
-fn parameters(curve: &Arc<dyn Curve>, u: Vec<f64>, closed: bool, corners: Vec<usize>) -> Arc<CurveParameters> {
-    Arc::new(CurveParameters { curve: Arc::clone(curve), u, closed, corners })
+/// The parameters as the curve owns them: `u` rises in the curve's direction, and may be unwrapped.
+fn parameters(
+    curve: &Arc<dyn Curve>,
+    u: Vec<f64>,
+    closed: bool,
+    corners: &[usize],
+    cut: usize,
+) -> Result<Arc<CurveParameters>, Trouble> {
+    let u = if curve.closed() { u.into_iter().map(wrap).collect() } else { u };
+    let extent = if closed { Extent::Closed } else { Extent::Open };
+    let made = CurveParameters::new(Arc::clone(curve), extent, u, corners);
+    made.map(Arc::new).map_err(|source| Trouble::Error(RemeshError::Parameters { curve: cut, source }))
 }
 
 /// A place on a side of the source.
@@ -258,7 +269,14 @@ struct Place {
 }
 
 /// What is left of a side of the source.
-fn source_side(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, s: usize, run: Run, out: &mut Sides) {
+fn source_side(
+    work: &Work<'_>,
+    parts: &Parts,
+    borders: &Borders<'_>,
+    s: usize,
+    run: Run,
+    out: &mut Sides,
+) -> Result<(), Trouble> {
     let side = &work.surface.sides[s];
     let whole = side.edge_count() as f64;
     let mut places: Vec<Place> = Vec::with_capacity(run.vertices.len());
@@ -275,7 +293,7 @@ fn source_side(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, s: usize, 
         && places.iter().enumerate().all(|(i, p)| p.x == i as f64 && p.level == Some(0));
     if untouched {
         out.sides.push(Side { vertices: run.vertices, ..side.clone() });
-        return;
+        return Ok(());
     }
     // A side that is refined as a whole is the same spline.
     let step = 1.0 / f64::from(1_u32 << work.base);
@@ -287,16 +305,16 @@ fn source_side(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, s: usize, 
             out.touched.extend(&run.vertices);
             let curve: Arc<dyn Curve> = Arc::new(PlainBorder::new(work.surface, side));
             let u = places.iter().map(|p| p.x / whole).collect();
-            given(&curve, u, Heading::Along, run.ends)
+            given(&curve, u, Heading::Along, run.ends, s)?
         }
         Border::Given { curve, heading, .. } => {
             let u = places.iter().enumerate().map(|(i, p)| {
                 let near = given_parameter(side, curve, p);
                 // Where a cut ends on the side, its point is nearest to a place between samples.
                 let at = parts.limit[run.vertices[i].index()];
-                if p.level.is_some() { near } else { closest_parameter(&*curve.curve, near, at) }
+                if p.level.is_some() { near } else { closest_parameter(&**curve.curve(), near, at) }
             });
-            given(&curve.curve, u.collect(), *heading, run.ends)
+            given(curve.curve(), u.collect(), *heading, run.ends, s)?
         }
     };
     let side_now = Side { vertices: run.vertices, ends: run.ends, border };
@@ -309,6 +327,7 @@ fn source_side(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, s: usize, 
         }
     }
     out.sides.push(side_now);
+    Ok(())
 }
 
 fn place_of(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, v: VertexId, last: bool) -> Place {
@@ -337,7 +356,9 @@ fn given_parameter(side: &Side, curve: &CurveParameters, place: &Place) -> f64 {
     // A place between vertices is looked up on a level so fine that the next one is as good.
     let level = place.level.unwrap_or(BETWEEN);
     let steps = (place.x * (1_u64 << level) as f64).round() as u64;
-    side.curve_index(level, steps).map_or(0.0, |index| curve.parameter(level, index))
+    side.curve_index(level, steps).map_or(0.0, |index| {
+        if place.level.is_some() { curve.coefficient(level, index) } else { curve.parameter(level, index) }
+    })
 }
 
 /// The level on which places between vertices are looked up, to begin the search for the nearest.
@@ -358,7 +379,13 @@ fn closest_parameter(curve: &dyn Curve, mut u: f64, x: DVec3) -> f64 {
 }
 
 /// A given border through these parameters, in the order of the side's vertices.
-fn given(curve: &Arc<dyn Curve>, mut u: Vec<f64>, heading: Heading, ends: Ends) -> Border {
+fn given(
+    curve: &Arc<dyn Curve>,
+    mut u: Vec<f64>,
+    heading: Heading,
+    ends: Ends,
+    side: usize,
+) -> Result<Border, Trouble> {
     if heading == Heading::Against {
         u.reverse();
     }
@@ -376,7 +403,8 @@ fn given(curve: &Arc<dyn Curve>, mut u: Vec<f64>, heading: Heading, ends: Ends) 
         u.rotate_left(smallest);
         first = (first + count - smallest) % count;
     }
-    Border::Given { curve: parameters(curve, u, ends == Ends::Closed, Vec::new()), first: first as u64, heading }
+    let curve = parameters(curve, u, ends == Ends::Closed, &[], side)?;
+    Ok(Border::Given { curve, first: first as u64, heading })
 }
 
 /// Do all control points of a plain side lie on one line, in order along it?

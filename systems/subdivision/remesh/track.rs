@@ -6,9 +6,10 @@
 use std::collections::VecDeque;
 
 use glam::DVec3;
+use selvedge_components::curve::Heading;
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::Connectivity;
-use selvedge_components::subdivision::{FaceCode, Heading, NONE};
+use selvedge_components::subdivision::{FaceCode, NONE};
 
 use super::error::PreImageError;
 use super::path::{self, Leg};

@@ -105,7 +105,7 @@ pub fn scrambled(seed: u64, flips: usize, holes: usize) -> Cage {
     for _ in 0..holes {
         let (a, kept) = (random.below(faces.len()), faces.clone());
         faces.swap_remove(a);
-        if crate::mesh::Connectivity::new(points.len(), &faces).is_err() {
+        if super::Connectivity::new(points.len(), &faces).is_err() {
             faces = kept;
         }
     }
@@ -125,7 +125,7 @@ fn flip(faces: &mut [[u32; 3]], vertices: usize, random: &mut Random) {
     }
     let kept = (faces[f], faces[g]);
     (faces[f], faces[g]) = ([a, d, c], [d, b, c]);
-    if crate::mesh::Connectivity::new(vertices, faces).is_err() {
+    if super::Connectivity::new(vertices, faces).is_err() {
         (faces[f], faces[g]) = kept;
     }
 }

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use selvedge_components::curve::Curve;
-use selvedge_components::subdivision::{Border, Heading, LoopSurface};
+use selvedge_components::curve::{Curve, Heading};
+use selvedge_components::subdivision::{Border, LoopSurface};
 
 use super::super::*;
 use super::judge::picture;

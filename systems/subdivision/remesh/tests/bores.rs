@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use glam::DVec2;
-use selvedge_components::subdivision::{Heading, LoopSurface};
+use selvedge_components::curve::Heading;
+use selvedge_components::subdivision::LoopSurface;
 
 use super::super::*;
 use super::judge::{judge, picture};

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use selvedge_components::curve::Curve;
-use selvedge_components::subdivision::{Heading, LoopSurface};
+use selvedge_components::curve::{Curve, Heading};
+use selvedge_components::subdivision::LoopSurface;
 
 use super::super::*;
 use super::judge::{Verdict, judge};
 use super::support::{Laid, Numbers, Walker, circle, globe, polygon, torus};
-use crate::target::Target;
+use selvedge_components::target::Target;
 
 struct Stage {
     surface: LoopSurface,

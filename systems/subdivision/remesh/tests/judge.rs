@@ -81,7 +81,7 @@ fn rim_is_one_loop(cuts: &[Cut], result: &Remeshed, curve: u32) {
     for side in sides {
         assert_eq!(side.ends == Ends::Closed, corners == 0);
         let Border::Given { curve: parameters, .. } = &side.border else { panic!("a cut side is given") };
-        let u = &parameters.u;
+        let u = parameters.base();
         assert!(u.windows(2).all(|w| w[0] < w[1]) && u[0] >= 0.0 && u[u.len() - 1] < 1.0, "{u:?}");
         let inner = if corners == 0 { &side.vertices[..] } else { &side.vertices[1..side.vertices.len() - 1] };
         assert!(inner.iter().all(|&v| mesh.valence(v) == 4), "smooth knots have four edges");

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use core::f64::consts::TAU;
 use glam::{DVec2, DVec3};
-use selvedge_components::curve::Curve;
-use selvedge_components::subdivision::{Heading, LoopSurface};
+use selvedge_components::curve::{Curve, Heading};
+use selvedge_components::subdivision::LoopSurface;
 
 use super::super::*;
 use super::judge::judge;

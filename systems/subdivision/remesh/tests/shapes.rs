@@ -4,12 +4,13 @@ use core::f64::consts::TAU;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use selvedge_components::subdivision::{Heading, LoopSurface};
+use selvedge_components::curve::Heading;
+use selvedge_components::subdivision::LoopSurface;
 
 use super::super::*;
 use super::judge::{Verdict, judge, picture};
 use super::support::{Laid, Numbers, OnPlate, Walker, circle, lattice, polygon};
-use crate::target::Target;
+use selvedge_components::target::Target;
 
 fn wave(x: f64, y: f64) -> f64 {
     0.006 * (17.0 * x).cos() * (14.0 * y).cos()
@@ -191,7 +192,7 @@ fn a_curved_border_that_is_refined_keeps_its_shape() {
     let side = &result.surface.sides[0];
     let Border::Given { curve, .. } = &side.border else { panic!("the border is given now") };
     assert!(side.vertices.len() > bowl.sides[0].vertices.len());
-    for i in 0..curve.count(3) {
+    for i in 0..curve.vertex_count(3) {
         let x = curve.sample(3, i);
         // The walk may stop at a corner between two border edges: it is begun on each of them.
         let starts = bowl.sides[0].vertices.iter().map(|&v| {

@@ -9,7 +9,7 @@ use selvedge_components::evaluate::{Evaluate, SurfacePoint};
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
 use selvedge_components::subdivision::{Border, CornerRule, Details, Ends, LoopSurface, PlainLoop, Side};
 
-use crate::target::{Foot, Target, TargetError};
+use selvedge_components::target::{Foot, Target, TargetError};
 
 /// A surface without details or given borders, whose vertices `corners` are corners.
 pub fn surface(points: Vec<DVec3>, faces: &[[u32; 3]], corners: &[u32]) -> LoopSurface {

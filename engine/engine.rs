@@ -1,0 +1,216 @@
+//! The engine in a box: a private world and schedule, and no window.
+
+use core::fmt;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
+use glam::DVec3;
+use selvedge_components::error::{FitFailed, SurfaceFailed};
+use selvedge_components::job::{FitJob, JobState};
+use selvedge_components::mesh::Connectivity;
+use selvedge_components::report::FitReport;
+use selvedge_components::subdivision::fit::FitOptions;
+use selvedge_components::subdivision::{LoopSurface, Snapshot};
+use selvedge_components::target::Target;
+use thiserror::Error;
+
+use crate::{cancel_fit, despawn_surface, install, spawn_cage, spawn_fit, spawn_surface, strict};
+
+/// The schedule that an [`Engine`] runs once a pass.
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SelvedgePass;
+
+/// A world and a schedule of their own, filled by [`install`] like any host's. Headless.
+///
+/// Systems run one after the other on the calling thread, and each uses all cores by itself: two
+/// pools of threads would only be in each other's way. The engine needs no task pool of Bevy's;
+/// systems that a host adds and that need one must bring it.
+pub struct Engine {
+    world: World,
+    schedule: Schedule,
+}
+
+impl fmt::Debug for Engine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Engine").field("world", &self.world).finish_non_exhaustive()
+    }
+}
+
+/// How far a job is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Progress {
+    /// It has not begun: its turn has not come.
+    Waiting,
+    /// It is being worked on.
+    Running {
+        /// The level in work.
+        level: u32,
+        /// Work quanta that it has taken.
+        quanta: u64,
+        /// The largest distance from the target measured last, in model units.
+        error: Option<f64>,
+    },
+    /// It is done.
+    Finished(FitReport),
+    /// It failed; the surface is as it was.
+    Failed(FitFailed),
+}
+
+/// What a pass left behind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pass {
+    /// Nothing is left to do.
+    Idle,
+    /// Jobs are running.
+    Busy,
+}
+
+/// Jobs are running, but none of them has moved in a whole pass: the system of their stage was
+/// taken out, or does not do what its set asks.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{} jobs do not move: no system takes a step for them", .jobs.len())]
+pub struct Stalled {
+    /// The jobs.
+    pub jobs: Vec<Entity>,
+}
+
+impl Default for Engine {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Engine {
+    /// An engine with nothing in it.
+    pub fn new() -> Self {
+        let (mut world, mut schedule) = (World::new(), Schedule::new(SelvedgePass));
+        schedule.set_executor(SingleThreadedExecutor::new());
+        schedule.set_build_settings(strict());
+        install(&mut world, &mut schedule);
+        Self { world, schedule }
+    }
+
+    /// The world.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The world: to edit sources, to insert [`Budgets`](selvedge_components::budget::Budgets), to
+    /// query.
+    pub fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    /// World and schedule together: to add systems, or to replace a stage.
+    pub fn with_schedule<R>(&mut self, change: impl FnOnce(&mut World, &mut Schedule) -> R) -> R {
+        change(&mut self.world, &mut self.schedule)
+    }
+
+    /// See [`spawn_surface`].
+    pub fn spawn_surface(&mut self, surface: &LoopSurface) -> Entity {
+        spawn_surface(&mut self.world, surface)
+    }
+
+    /// See [`spawn_cage`].
+    pub fn spawn_cage(&mut self, mesh: Arc<Connectivity>, points: &[DVec3]) -> Entity {
+        spawn_cage(&mut self.world, mesh, points)
+    }
+
+    /// See [`spawn_fit`].
+    pub fn spawn_fit(&mut self, surface: Entity, target: Arc<dyn Target>, options: FitOptions) -> Entity {
+        spawn_fit(&mut self.world, surface, target, options)
+    }
+
+    /// See [`despawn_surface`].
+    pub fn despawn_surface(&mut self, surface: Entity) {
+        despawn_surface(&mut self.world, surface);
+    }
+
+    /// See [`cancel_fit`].
+    pub fn cancel(&mut self, job: Entity) {
+        cancel_fit(&mut self.world, job);
+    }
+
+    /// The dense form of `surface`, as the last pass has gathered it.
+    ///
+    /// # Errors
+    /// Its faults, if it has any.
+    ///
+    /// Neither while no pass has run since it was spawned, nor for what is no surface: then `None`.
+    pub fn surface(&self, surface: Entity) -> Option<Result<&Arc<LoopSurface>, &SurfaceFailed>> {
+        let entity = self.world.get_entity(surface).ok()?;
+        let failed = entity.get::<SurfaceFailed>().map(Err);
+        failed.or_else(|| entity.get::<Snapshot>().map(|snapshot| Ok(&snapshot.surface)))
+    }
+
+    /// How far `job` is; `None` for what is no job.
+    pub fn progress(&self, job: Entity) -> Option<Progress> {
+        let entity = self.world.get_entity(job).ok()?;
+        entity.get::<selvedge_components::job::Fit>()?;
+        let Some(fit) = entity.get::<FitJob>() else { return Some(Progress::Waiting) };
+        Some(match fit.state {
+            JobState::Running(_) => Progress::Running { level: fit.level, quanta: fit.quanta, error: fit.error },
+            JobState::Finished => Progress::Finished(entity.get::<FitReport>()?.clone()),
+            JobState::Failed => Progress::Failed(entity.get::<FitFailed>()?.clone()),
+        })
+    }
+
+    /// One pass: what has changed is gathered and checked, and every running job takes one step.
+    pub fn update(&mut self) -> Pass {
+        let before = self.jobs();
+        self.pass();
+        let after = self.jobs();
+        // A job that has just ended has changed its surface: one more pass gathers that.
+        if before == after && !after.iter().any(is_running) { Pass::Idle } else { Pass::Busy }
+    }
+
+    /// Passes until nothing is left to do. Returns how many.
+    ///
+    /// # Errors
+    /// [`Stalled`] when jobs are left that no system moves.
+    pub fn settle(&mut self) -> Result<u64, Stalled> {
+        let mut before = self.jobs();
+        for passes in 1.. {
+            self.pass();
+            let after = self.jobs();
+            if before == after {
+                let jobs: Vec<_> = after.iter().filter(|job| is_running(job)).map(|job| job.0).collect();
+                return if jobs.is_empty() { Ok(passes) } else { Err(Stalled { jobs }) };
+            }
+            before = after;
+        }
+        unreachable!("a u64 is not counted through")
+    }
+
+    /// Passes until nothing is left to do or `time` is over, but one pass at least. A pass that has
+    /// begun is finished, so it may take longer by as much as one work quantum of every job does.
+    pub fn update_for(&mut self, time: Duration) -> Pass {
+        let start = Instant::now();
+        loop {
+            let pass = self.update();
+            if pass == Pass::Idle || start.elapsed() >= time {
+                return pass;
+            }
+        }
+    }
+
+    fn pass(&mut self) {
+        self.schedule.run(&mut self.world);
+        // Nobody else forgets what was removed, and a world that runs for long must not grow by it.
+        self.world.clear_trackers();
+    }
+
+    /// Where every job stands, by entity.
+    fn jobs(&mut self) -> Vec<(Entity, JobState, u64)> {
+        let mut query = self.world.query::<(Entity, &FitJob)>();
+        let mut jobs: Vec<_> = query.iter(&self.world).map(|(entity, job)| (entity, job.state, job.quanta)).collect();
+        jobs.sort_unstable_by_key(|job| job.0);
+        jobs
+    }
+}
+
+fn is_running(job: &(Entity, JobState, u64)) -> bool {
+    matches!(job.1, JobState::Running(_))
+}

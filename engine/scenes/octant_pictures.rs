@@ -1,0 +1,117 @@
+//! Pictures of the octant: the fit, its error maps and its ladders.
+
+use selvedge_components::subdivision::LoopSurface;
+use selvedge_components::triangles::Triangles;
+use selvedge_systems::subdivision::fit::ErrorMap;
+
+use super::octant::{LadderRow, Method, OctantFit};
+use crate::diagram::camera::{Frame, View};
+use crate::diagram::canvas::{Canvas, Stroke};
+use crate::diagram::colour::palette;
+use crate::diagram::colourbar::with_colour_bar;
+use crate::diagram::colourmap::ColourScale;
+use crate::diagram::error::DiagramError;
+use crate::diagram::grid::{Cell, Grid};
+use crate::diagram::overlay::Overlay;
+use crate::diagram::plot::{Guide, Ladder, Series};
+use crate::diagram::scene::Scene;
+use crate::diagram::shade::{Paint, Surface};
+use crate::diagram::units::Quantity;
+
+/// Along the diagonal of the octant, a little from above.
+fn view() -> View {
+    View::from_angles(45.0, 28.0)
+}
+
+/// Control mesh, the limit surface before any detail, and after the last level. [Fig. 6]
+///
+/// # Errors
+/// As the drawing.
+pub fn figure(fit: &OctantFit) -> Result<Canvas, DiagramError> {
+    let frame = Frame::new(620, 620);
+    let cage = cage(&fit.surface);
+    let initial = triangles(fit.maps.first().unwrap_or(&ErrorMap::default()));
+    let fitted = triangles(fit.maps.last().unwrap_or(&ErrorMap::default()));
+    let over = || Overlay::cage(&cage, palette::BLUE, 620);
+    let camera = Scene::of(Surface::new(&fitted)).with(over()?).camera(&view(), frame)?;
+    let draw = |scene: Scene<'_>, caption: String| Ok(Cell::new(scene.draw(&camera)?, caption));
+    let last = fit.row.levels.last().map_or(0.0, |l| l.max_m);
+    let length = |x: f64| Quantity::Length.label(x, 2);
+    let cells = [
+        draw(Scene::of(Surface::new(&cage).faceted()).with(over()?), "control mesh".into())?,
+        draw(
+            Scene::of(Surface::new(&initial)).with([border(&initial)?]),
+            format!("its limit surface: the arcs are met, the sphere is missed by {}", length(fit.row.initial_max_m)),
+        )?,
+        draw(
+            Scene::of(Surface::new(&fitted)).with([border(&fitted)?]),
+            format!("with {} details: within {}", fit.surface.details.count(), length(last)),
+        )?,
+    ];
+    Grid::new(3, 20.0).lettered().compose(&cells)
+}
+
+/// The distance to the sphere after each of levels 0 to 5, each in colours of its own. [Fig. 7]
+///
+/// # Errors
+/// As the drawing.
+pub fn error_maps(fit: &OctantFit) -> Result<Canvas, DiagramError> {
+    let frame = Frame::new(520, 520);
+    let mut cells = Vec::new();
+    for (map, level) in fit.maps.iter().skip(1).zip(&fit.row.levels) {
+        let mesh = triangles(map);
+        let most = map.errors.iter().copied().fold(0.0, f64::max);
+        let scale = ColourScale::new(0.0, most.max(f64::MIN_POSITIVE))?.titled("distance");
+        let surface = Surface::new(&mesh).painted(Paint::Values(&map.errors, &scale));
+        let picture = Scene::of(surface).picture(&view(), frame)?;
+        let caption = format!("level {}: at most {}", level.level, Quantity::Length.label(level.max_m, 3));
+        cells.push(Cell::new(with_colour_bar(&picture, &scale, 17.0)?, caption));
+    }
+    Grid::new(3, 20.0).compose(&cells)
+}
+
+/// Ladders of several fits in one plot, with the fall that the irregular vertex allows.
+///
+/// # Errors
+/// As the drawing.
+pub fn ladder_plot(rows: &[&LadderRow]) -> Result<Canvas, DiagramError> {
+    let name = |row: &LadderRow| {
+        let rule = match row.rule {
+            Method::Lsq => "least squares",
+            Method::Quasi => "quasi-interpolation",
+        };
+        format!("{}, {rule}", row.mesh)
+    };
+    let series = rows.iter().map(|row| Series::from_levels(name(row), row.levels.iter().map(|l| l.zone_max_m)));
+    let deepest = rows.iter().max_by_key(|row| row.levels.len());
+    let guide = deepest.and_then(|row| {
+        let last = row.levels.last()?;
+        let start = row.levels.get(3)?;
+        Some(Guide {
+            label: "1/\u{3bb}\u{b2} = 4.89".into(),
+            ..Guide::new(4.89, (3.0, start.zone_max_m * 4.0), f64::from(last.level))
+        })
+    });
+    Ladder {
+        title: "octant of a sphere, radius 0.5 m".into(),
+        value_label: "distance to the sphere".into(),
+        series: series.collect(),
+        guides: guide.into_iter().collect(),
+        ..Ladder::default()
+    }
+    .draw()
+}
+
+fn triangles(map: &ErrorMap) -> Triangles {
+    Triangles { positions: map.positions.clone(), triangles: map.triangles.clone(), ..Triangles::default() }
+}
+
+/// The control mesh as triangles.
+fn cage(surface: &LoopSurface) -> Triangles {
+    let corners = surface.mesh.faces().iter().map(|f| f.map(|v| v.0));
+    Triangles { positions: surface.points.clone(), triangles: corners.collect(), ..Triangles::default() }
+}
+
+fn border(mesh: &Triangles) -> Result<Overlay, DiagramError> {
+    Overlay::border(mesh, Stroke::new(palette::BLUE, 3.0))
+}

@@ -1,0 +1,325 @@
+//! The system that gathers.
+
+use std::sync::Arc;
+
+use bevy_ecs::change_detection::{ContiguousComponentTicksRef, ContiguousRef};
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use selvedge_components::budget::Budgets;
+use selvedge_components::error::{SurfaceFailed, SurfaceFault};
+use selvedge_components::identity::{Serial, Serials};
+use selvedge_components::subdivision::{
+    Address, Cage, ControlPointIndex, ControlPointOf, ControlPoints, Detail, DetailLevel, DetailOf, Details, FaceCode,
+    LoopSurface, Position, Sides, Snapshot,
+};
+
+use super::{
+    DetailBuild, DetailRows, Ledger, News, PointBuild, PointRows, Rows, Slots, Table, patch_details, patch_points,
+    runs, same_details, same_points, scatter_details, scatter_points, survey,
+};
+use crate::diagnostics::{Counters, GroundDiagnostics};
+
+/// What the gather stage remembers from one pass to the next.
+#[derive(Debug, Default)]
+pub struct Memory {
+    points: Ledger,
+    details: Ledger,
+}
+
+/// A surface, also one that the host has disabled: its edits must not be missed.
+type Surface = (
+    Entity,
+    Option<&'static Serial>,
+    Ref<'static, Cage>,
+    Ref<'static, Sides>,
+    Ref<'static, ControlPoints>,
+    Option<&'static mut Snapshot>,
+    Option<&'static SurfaceFailed>,
+    Has<Disabled>,
+);
+type Point =
+    (Entity, Ref<'static, Position>, Ref<'static, ControlPointOf>, Ref<'static, ControlPointIndex>, Has<Disabled>);
+type Coefficient =
+    (Ref<'static, Detail>, Ref<'static, DetailLevel>, Ref<'static, Address>, Ref<'static, DetailOf>, Has<Disabled>);
+
+/// Brings the snapshot of every surface up to date with its entities.
+pub fn gather_surfaces(
+    mut commands: Commands,
+    mut surfaces: Query<Surface>,
+    points: Query<Point>,
+    details: Query<Coefficient>,
+    mut memory: Local<Memory>,
+    mut serials: If<ResMut<Serials>>,
+    budgets: Option<Res<Budgets>>,
+    diagnostics: Option<ResMut<GroundDiagnostics>>,
+) {
+    let mut run = Counters::start();
+    // Other budgets may let through what they had stopped.
+    let retry = budgets.is_some_and(|budgets| budgets.is_changed());
+    let mut sources: Vec<_> = surfaces.iter_mut().map(Source::new).collect();
+    sources.sort_unstable_by_key(|s| (s.serial, s.entity));
+    let slots = Slots::new(sources.iter().map(|s| s.entity));
+    let (points, details) = (point_tables(&points), detail_tables(&details));
+    for touched in points.iter().map(|t| t.news.is_some()).chain(details.iter().map(|t| t.news.is_some())) {
+        run.counted.tables += u64::from(touched);
+        run.counted.skipped += u64::from(!touched);
+    }
+
+    let point_news = survey(&points, &slots, &mut memory.points);
+    let detail_news = survey(&details, &slots, &mut memory.details);
+    for (slot, source) in sources.iter_mut().enumerate() {
+        source.plan(point_news[slot], detail_news[slot], retry);
+    }
+    run.counted.items += patch(&mut sources, &slots, &points, &details);
+    let (built_points, built_details, rows) = rebuild(&sources, &slots, &points, &details);
+    run.counted.items += rows;
+    for ((source, points), details) in sources.into_iter().zip(built_points).zip(built_details) {
+        run.counted.written += u64::from(source.write(points, details, &mut commands, &mut serials.0));
+    }
+    if let Some(mut diagnostics) = diagnostics {
+        diagnostics.gather += run.finish();
+    }
+}
+
+/// One surface, and what is to be done about it.
+struct Source<'w> {
+    entity: Entity,
+    serial: Option<Serial>,
+    cage: Ref<'w, Cage>,
+    sides: Ref<'w, Sides>,
+    listed: Ref<'w, ControlPoints>,
+    snapshot: Option<Mut<'w, Snapshot>>,
+    failed: Option<&'w SurfaceFailed>,
+    points: News,
+    details: News,
+    patched: usize,
+}
+
+type Built<T> = Option<Result<T, Vec<SurfaceFault>>>;
+
+impl<'w> Source<'w> {
+    fn new(item: <Surface as bevy_ecs::query::QueryData>::Item<'w, '_>) -> Self {
+        let (entity, serial, cage, sides, listed, snapshot, failed, _) = item;
+        let (serial, points, details) = (serial.copied(), News::None, News::None);
+        Self { entity, serial, cage, sides, listed, snapshot, failed, points, details, patched: 0 }
+    }
+
+    /// Decides what has to be gathered: nothing, values that have changed, or all.
+    fn plan(&mut self, points: News, details: News, retry: bool) {
+        (self.points, self.details) = (points, details);
+        let shell = retry || self.cage.is_changed() || self.sides.is_changed() || self.listed.is_changed();
+        match &self.snapshot {
+            Some(snapshot) => {
+                let remeshed = self.cage.is_changed() && !same_mesh(&self.cage, &snapshot.surface);
+                if remeshed || self.listed.is_changed() {
+                    self.points = News::Structure;
+                }
+                if remeshed {
+                    self.details = News::Structure;
+                }
+            }
+            // A surface that failed is tried again once anything about it was touched.
+            None if self.failed.is_none() || shell || points != News::None || details != News::None => {
+                (self.points, self.details) = (News::Structure, News::Structure);
+            }
+            None => {}
+        }
+    }
+
+    /// Writes what was gathered. Returns whether there was anything to write.
+    fn write(
+        mut self,
+        points: Built<Vec<DVec3>>,
+        details: Built<Details>,
+        commands: &mut Commands,
+        serials: &mut Serials,
+    ) -> bool {
+        let mut faults = Vec::new();
+        let (listed, vertices) = (self.listed.0.len(), self.cage.mesh.vertex_count());
+        if points.is_some() && listed != vertices {
+            faults.push(SurfaceFault::PointCount { listed, vertices });
+        }
+        let points = keep_faults(points, &mut faults);
+        let details = keep_faults(details, &mut faults);
+        if !faults.is_empty() {
+            return self.fail(faults, commands);
+        }
+        if self.snapshot.is_some() {
+            return self.update(points, details, serials);
+        }
+        let (Some(points), Some(details)) = (points, details) else { return false };
+        let surface = Arc::new(self.surface(points, details));
+        commands.entity(self.entity).try_insert(Snapshot { surface, revision: serials.next_number() });
+        true
+    }
+
+    fn surface(&self, points: Vec<DVec3>, details: Details) -> LoopSurface {
+        let Sides { sides, corner_rule } = Sides::clone(&self.sides);
+        LoopSurface { mesh: Arc::clone(&self.cage.mesh), points, sides, corner_rule, details }
+    }
+
+    fn fail(self, faults: Vec<SurfaceFault>, commands: &mut Commands) -> bool {
+        let failed = SurfaceFailed(faults);
+        let news = self.snapshot.is_some() || self.failed != Some(&failed);
+        if news {
+            commands.entity(self.entity).try_remove::<Snapshot>().try_insert(failed);
+        }
+        news
+    }
+
+    /// Puts what is really different into the snapshot.
+    fn update(&mut self, points: Option<Vec<DVec3>>, details: Option<Details>, serials: &mut Serials) -> bool {
+        let Some(snapshot) = &mut self.snapshot else { return false };
+        let held = &mut snapshot.bypass_change_detection().surface;
+        let mut changed = self.patched > 0;
+        if self.cage.is_changed() && !same_mesh(&self.cage, held) {
+            Arc::make_mut(held).mesh = Arc::clone(&self.cage.mesh);
+            changed = true;
+        }
+        if self.sides.is_changed() && !self.sides.same_as(held) {
+            let Sides { sides, corner_rule } = Sides::clone(&self.sides);
+            let surface = Arc::make_mut(held);
+            (surface.sides, surface.corner_rule) = (sides, corner_rule);
+            changed = true;
+        }
+        if let Some(points) = points.filter(|points| !same_points(points, held)) {
+            Arc::make_mut(held).points = points;
+            changed = true;
+        }
+        if let Some(details) = details.filter(|details| !same_details(details, held)) {
+            Arc::make_mut(held).details = details;
+            changed = true;
+        }
+        if changed {
+            snapshot.revision = serials.next_number();
+        }
+        changed
+    }
+}
+
+fn same_mesh(cage: &Cage, surface: &LoopSurface) -> bool {
+    Arc::ptr_eq(&cage.mesh, &surface.mesh) || cage.mesh == surface.mesh
+}
+
+fn keep_faults<T>(built: Built<T>, faults: &mut Vec<SurfaceFault>) -> Option<T> {
+    match built? {
+        Ok(made) => Some(made),
+        Err(mut found) => {
+            faults.append(&mut found);
+            None
+        }
+    }
+}
+
+/// Writes single values into snapshots. Returns how many rows were gone through.
+fn patch(
+    sources: &mut [Source<'_>],
+    slots: &Slots,
+    points: &[Table<PointRows<'_>>],
+    details: &[Table<DetailRows<'_>>],
+) -> u64 {
+    let mut rows = 0;
+    for table in points.iter().filter(|t| t.news.is_some()) {
+        for (owner, run) in runs(table.rows) {
+            let Some(source) = slots.of(owner).map(|slot| &mut sources[slot]) else { continue };
+            let Some(snapshot) = source.snapshot.as_mut().filter(|_| source.points == News::Value) else { continue };
+            rows += run.len() as u64;
+            source.patched += patch_points(table, run, &mut snapshot.bypass_change_detection().surface);
+        }
+    }
+    for table in details.iter().filter(|t| t.news.is_some()) {
+        for (owner, run) in runs(table.rows) {
+            let Some(source) = slots.of(owner).map(|slot| &mut sources[slot]) else { continue };
+            let Some(snapshot) = source.snapshot.as_mut().filter(|_| source.details == News::Value) else { continue };
+            rows += run.len() as u64;
+            source.patched += patch_details(table, run, &mut snapshot.bypass_change_detection().surface);
+        }
+    }
+    rows
+}
+
+type Rebuilt = (Vec<Built<Vec<DVec3>>>, Vec<Built<Details>>, u64);
+
+/// Gathers whole arrays anew for the surfaces that need it.
+fn rebuild(
+    sources: &[Source<'_>],
+    slots: &Slots,
+    points: &[Table<PointRows<'_>>],
+    details: &[Table<DetailRows<'_>>],
+) -> Rebuilt {
+    let mut point_builds: Vec<_> =
+        sources.iter().map(|s| (s.points == News::Structure).then(|| PointBuild::new(&s.listed.0))).collect();
+    let mut rows = 0;
+    if point_builds.iter().any(Option::is_some) {
+        rows += scatter_points(points, slots, &mut point_builds);
+    }
+    let mut detail_builds: Vec<_> =
+        sources.iter().map(|s| (s.details == News::Structure).then(DetailBuild::default)).collect();
+    if detail_builds.iter().any(Option::is_some) {
+        rows += scatter_details(details, slots, &mut detail_builds);
+    }
+    let finest = |s: &Source<'_>| FaceCode::finest(s.cage.mesh.face_count());
+    (
+        point_builds.into_iter().map(|build| build.map(PointBuild::finish)).collect(),
+        detail_builds.into_iter().zip(sources).map(|(build, s)| build.map(|b| b.finish(finest(s)))).collect(),
+        rows as u64,
+    )
+}
+
+fn point_tables<'q>(points: &'q Query<Point>) -> Vec<Table<PointRows<'q>>> {
+    let tables = points.contiguous_iter().expect("every component asked for is stored in tables");
+    tables
+        .map(|(entities, positions, owners, indices, _)| {
+            let (positions, values) = ContiguousRef::split(positions);
+            let (owners, owner_ticks) = ContiguousRef::split(owners);
+            let (indices, index_ticks) = ContiguousRef::split(indices);
+            let rows = PointRows { entities, owners, indices, positions };
+            Table { rows, news: news(rows.len(), &values, &[owner_ticks, index_ticks]) }
+        })
+        .collect()
+}
+
+fn detail_tables<'q>(details: &'q Query<Coefficient>) -> Vec<Table<DetailRows<'q>>> {
+    let tables = details.contiguous_iter().expect("every component asked for is stored in tables");
+    tables
+        .map(|(values, levels, addresses, owners, _)| {
+            let (values, value_ticks) = ContiguousRef::split(values);
+            let (levels, level_ticks) = ContiguousRef::split(levels);
+            let (addresses, address_ticks) = ContiguousRef::split(addresses);
+            let (owners, owner_ticks) = ContiguousRef::split(owners);
+            let rows = DetailRows { owners, levels, addresses, values };
+            Table { rows, news: news(rows.len(), &value_ticks, &[level_ticks, address_ticks, owner_ticks]) }
+        })
+        .collect()
+}
+
+/// What the ticks say about each of `rows` rows; `None` where they say nothing about any.
+fn news(
+    rows: usize,
+    value: &ContiguousComponentTicksRef<'_>,
+    structure: &[ContiguousComponentTicksRef<'_>],
+) -> Option<Vec<News>> {
+    let touched = |ticks: &ContiguousComponentTicksRef<'_>| ticks.summary_tick_is_changed() != Some(false);
+    if !touched(value) && !structure.iter().any(touched) {
+        return None;
+    }
+    let mut news = vec![News::None; rows];
+    if touched(value) {
+        for (news, (changed, added)) in news.iter_mut().zip(value.is_changed_iter().zip(value.is_added_iter())) {
+            *news = if added {
+                News::Structure
+            } else if changed {
+                News::Value
+            } else {
+                News::None
+            };
+        }
+    }
+    for ticks in structure.iter().filter(|ticks| touched(ticks)) {
+        for (news, changed) in news.iter_mut().zip(ticks.is_changed_iter()) {
+            *news = if changed { News::Structure } else { *news };
+        }
+    }
+    news.iter().any(|&news| news != News::None).then_some(news)
+}

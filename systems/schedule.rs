@@ -1,0 +1,212 @@
+//! When things happen: the sets that a host orders its own systems against, and replaces ours in.
+//!
+//! Two levels. The phases, [`SelvedgeSystems`], are the same for every kind of surface, and run one
+//! after the other once a pass. The stages of a method, such as [`SubdivisionStage`], run one after
+//! the other inside [`SelvedgeSystems::Solve`].
+
+use bevy_ecs::prelude::SystemSet;
+
+/// The phases of a pass, in their order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum SelvedgeSystems {
+    /// Entities become dense snapshots, where a value has changed. Edit sources before it.
+    Gather,
+    /// Faults are named; what has one goes no further. Jobs begin here, and begin again.
+    Check,
+    /// Every job takes one step.
+    Solve,
+    /// Results become triangles.
+    Triangulate,
+    /// Results are measured anew, by other means than those that made them.
+    Audit,
+    /// Transitions, reports and failures are written. Read results after it.
+    Finish,
+}
+
+impl SelvedgeSystems {
+    /// All phases, in their order.
+    pub const ALL: [Self; 6] = [Self::Gather, Self::Check, Self::Solve, Self::Triangulate, Self::Audit, Self::Finish];
+}
+
+/// The stages of subdivision surfaces, in their order: inside [`SelvedgeSystems::Solve`], but for
+/// the last.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum SubdivisionStage {
+    /// Jobs begin, begin again, or are taken back.
+    Admit,
+    /// A trim's curve is worked into the control mesh.
+    Remesh,
+    /// Control points on a trim's curve settle along it.
+    Relax,
+    /// Points of a surface are paired with points of its target.
+    Correspond,
+    /// The details of the level in work are worked out.
+    Modify,
+    /// What is left is measured, and the next level is opened.
+    Refine,
+    /// Inside [`SelvedgeSystems::Finish`]: jobs move to their next stage, or end.
+    Advance,
+}
+
+impl SubdivisionStage {
+    /// All stages, in their order.
+    pub const ALL: [Self; 7] =
+        [Self::Admit, Self::Remesh, Self::Relax, Self::Correspond, Self::Modify, Self::Refine, Self::Advance];
+}
+
+/// What one system of the engine does: what whoever replaces it must keep to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StageContract {
+    /// The set that the system is in, and by which it is replaced.
+    pub set: &'static str,
+    /// The name of the system's function; `None` where the set is still empty.
+    pub system: Option<&'static str>,
+    /// What it does, in a sentence.
+    pub does: &'static str,
+    /// Components and resources that it reads, or that decide which entities it looks at.
+    pub reads: &'static [&'static str],
+    /// Components and resources whose values it writes.
+    pub writes: &'static [&'static str],
+    /// Components that it inserts, and entities (by their components) that it spawns.
+    pub inserts: &'static [&'static str],
+    /// Components that it removes, and entities that it despawns.
+    pub removes: &'static [&'static str],
+}
+
+/// A stage that is announced and has no system yet.
+const fn empty(set: &'static str, does: &'static str) -> StageContract {
+    StageContract { set, system: None, does, reads: &[], writes: &[], inserts: &[], removes: &[] }
+}
+
+/// Every system, in the order in which they run; a set of several is listed system by system.
+pub const STAGES: &[StageContract] = &[
+    StageContract {
+        set: "SelvedgeSystems::Gather",
+        system: Some("enroll"),
+        does: "numbers surfaces, curves and jobs that are new",
+        reads: &["Cage", "Fit", "Serial", "SpaceCurve"],
+        writes: &["GroundDiagnostics", "Serials"],
+        inserts: &["Serial"],
+        removes: &[],
+    },
+    StageContract {
+        set: "SelvedgeSystems::Gather",
+        system: Some("gather_surfaces"),
+        does: "brings snapshots up to date with their entities, where a value has changed",
+        reads: &[
+            "Address",
+            "Budgets",
+            "Cage",
+            "ControlPointIndex",
+            "ControlPointOf",
+            "ControlPoints",
+            "Detail",
+            "DetailLevel",
+            "DetailOf",
+            "Disabled",
+            "Position",
+            "Serial",
+            "Sides",
+            "SurfaceFailed",
+        ],
+        writes: &["GroundDiagnostics", "Serials", "Snapshot"],
+        inserts: &["Snapshot", "SurfaceFailed"],
+        removes: &["Snapshot"],
+    },
+    StageContract {
+        set: "SelvedgeSystems::Check",
+        system: Some("check_curves"),
+        does: "refuses curves that have a fault",
+        reads: &["CurveFailed", "SpaceCurve"],
+        writes: &["GroundDiagnostics"],
+        inserts: &["CurveFailed"],
+        removes: &["CurveFailed"],
+    },
+    StageContract {
+        set: "SelvedgeSystems::Check",
+        system: Some("check_surfaces"),
+        does: "refuses surfaces that have a fault",
+        reads: &["Budgets", "Snapshot", "SurfaceFailed"],
+        writes: &["GroundDiagnostics"],
+        inserts: &["SurfaceFailed"],
+        removes: &["Snapshot", "SurfaceFailed"],
+    },
+    StageContract {
+        set: "SubdivisionStage::Admit",
+        system: Some("admit_fits"),
+        does: "begins jobs, begins again those whose inputs have changed, takes back what was cancelled",
+        reads: &[
+            "Budgets",
+            "Cage",
+            "Cancelled",
+            "DetailOf",
+            "Fit",
+            "FitJob",
+            "FitOptions",
+            "FitTarget",
+            "FitWork",
+            "Serial",
+            "Snapshot",
+            "SurfaceFailed",
+            "Tolerance",
+        ],
+        writes: &["SubdivisionDiagnostics"],
+        inserts: &["AtCorrespond", "AtModify", "AtRefine", "FitFailed", "FitJob", "FitWork"],
+        removes: &[
+            "AtCorrespond",
+            "AtModify",
+            "AtRefine",
+            "FitFailed",
+            "FitJob",
+            "FitWork",
+            "entities with DetailOf(job)",
+        ],
+    },
+    empty("SubdivisionStage::Remesh", "will work a trim's curve into the control mesh"),
+    empty("SubdivisionStage::Relax", "will let control points settle along a trim's curve"),
+    StageContract {
+        set: "SubdivisionStage::Correspond",
+        system: Some("correspond_fits"),
+        does: "lets jobs AtCorrespond do one quantum and sets their step",
+        reads: &["AtCorrespond", "Fit"],
+        writes: &["FitJob", "FitWork", "SubdivisionDiagnostics"],
+        inserts: &[],
+        removes: &[],
+    },
+    StageContract {
+        set: "SubdivisionStage::Modify",
+        system: Some("modify_fits"),
+        does: "lets jobs AtModify do one quantum and sets their step; writes the details of those that leave",
+        reads: &["Address", "AtModify", "DetailLevel", "DetailOf", "Fit"],
+        writes: &["Detail", "FitJob", "FitWork", "SubdivisionDiagnostics"],
+        inserts: &[],
+        removes: &[],
+    },
+    StageContract {
+        set: "SubdivisionStage::Refine",
+        system: Some("refine_fits"),
+        does: "lets jobs AtRefine do one quantum and sets their step; spawns what the next level may move",
+        reads: &["AtRefine", "Detail", "DetailOf", "Fit"],
+        writes: &["FitJob", "FitWork", "SubdivisionDiagnostics"],
+        inserts: &["entities with Detail, DetailLevel, Address, DetailOf(job)"],
+        removes: &["entities with DetailOf(job) that are zero"],
+    },
+    empty("SelvedgeSystems::Triangulate", "will turn results into triangles"),
+    empty("SelvedgeSystems::Audit", "will measure results anew"),
+    StageContract {
+        set: "SubdivisionStage::Advance",
+        system: Some("advance_fits"),
+        does: "takes the step of every job: moves its marker, delivers its result, or tells its failure",
+        reads: &["Address", "DetailLevel", "Fit", "FitWork"],
+        writes: &["Detail", "DetailOf", "FitJob", "SubdivisionDiagnostics"],
+        inserts: &[
+            "AtCorrespond",
+            "AtModify",
+            "AtRefine",
+            "FitFailed",
+            "FitReport",
+            "entities with Detail, DetailLevel, Address, DetailOf(surface)",
+        ],
+        removes: &["AtCorrespond", "AtModify", "AtRefine", "FitWork", "entities with DetailOf(job or surface)"],
+    },
+];

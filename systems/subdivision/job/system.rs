@@ -1,0 +1,299 @@
+//! The systems that begin, move and end jobs.
+
+use std::sync::Arc;
+
+use bevy_ecs::prelude::*;
+use selvedge_components::budget::Budgets;
+use selvedge_components::error::{FitFailed, FitFault, SurfaceFailed};
+use selvedge_components::guard::caught;
+use selvedge_components::identity::Serial;
+use selvedge_components::job::{
+    AtCorrespond, AtModify, AtRefine, Cancelled, Fit, FitInputs, FitJob, FitTarget, JobState,
+};
+use selvedge_components::report::FitReport;
+use selvedge_components::subdivision::fit::{FitOptions, Outcome, Stage};
+use selvedge_components::subdivision::{Address, Cage, Detail, DetailLevel, DetailOf, Snapshot};
+use selvedge_components::target::Guarded;
+use selvedge_components::tolerance::Tolerance;
+
+use super::{Commit, Move, Place, SurfaceNow, Verdict, Wish, commit, first_on_each_surface, next_move, verdict};
+use crate::diagnostics::{Counters, SubdivisionDiagnostics};
+use crate::parallel::for_each;
+use crate::subdivision::fit::FitWork;
+
+type Job = (
+    Entity,
+    Option<&'static Serial>,
+    &'static Fit,
+    Option<&'static FitTarget>,
+    &'static FitOptions,
+    Option<&'static Tolerance>,
+    Option<&'static FitJob>,
+    Has<FitWork>,
+    Has<Cancelled>,
+);
+type Surface = (Option<&'static Snapshot>, Option<&'static SurfaceFailed>);
+
+/// What the engine adds to a job while it runs, or when it has failed.
+type Traces = (FitJob, FitWork, AtCorrespond, AtModify, AtRefine, FitFailed);
+
+/// The jobs that began or went on in the pass before.
+pub type Running = Vec<Entity>;
+
+/// Begins jobs, begins again those whose inputs have changed, and takes back what was cancelled.
+pub fn admit_fits(
+    mut commands: Commands,
+    jobs: Query<Job>,
+    surfaces: Query<Surface, With<Cage>>,
+    details: Query<(Entity, &DetailOf)>,
+    budgets: Option<Res<Budgets>>,
+    mut running: Local<Running>,
+    diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
+) {
+    let mut run = Counters::start();
+    let budgets = budgets.map_or_else(Budgets::default, |b| *b);
+    let mut found: Vec<_> = jobs.iter().collect();
+    found.sort_unstable_by_key(|job| (job.1, job.0));
+    let mut candidates: Vec<_> = found.into_iter().map(|job| Candidate::new(job, &surfaces, budgets)).collect();
+    wait_for_turns(&mut candidates);
+
+    let goes_on: Vec<_> = candidates.iter().filter(|c| c.goes_on()).map(|c| c.entity).collect();
+    let was_over = |job| candidates.iter().any(|c| c.entity == job && c.is_over());
+    let broken_off = running.iter().copied().filter(|&job| !goes_on.contains(&job) && !was_over(job));
+    let broken_off: Vec<_> = broken_off.collect();
+    discard(&mut commands, &broken_off, details.iter().map(|(detail, of)| (detail, of.0)));
+    for &job in broken_off.iter().filter(|&&job| !jobs.contains(job)) {
+        // It is a job no longer, and may not even be an entity.
+        commands.entity(job).try_remove::<Traces>();
+    }
+    *running = goes_on;
+
+    run.counted.items = candidates.len() as u64;
+    let mut starts = Vec::new();
+    for candidate in candidates {
+        run.counted.skipped += u64::from(candidate.verdict == Verdict::Keep);
+        run.counted.written += u64::from(candidate.verdict != Verdict::Keep);
+        let mut entity = commands.entity(candidate.entity);
+        match candidate.verdict {
+            Verdict::Keep => {}
+            Verdict::Start => starts.push((candidate.entity, candidate.now, Err(FitFault::NoTarget))),
+            Verdict::Wait | Verdict::TakeBack => {
+                entity.try_remove::<Traces>();
+            }
+            Verdict::Refuse(why) => {
+                let failed = FitFailed { why, ladder: Vec::new() };
+                entity.try_remove::<Traces>().try_insert((FitJob::new(JobState::Failed, candidate.now), failed));
+            }
+        }
+    }
+    for_each(starts.iter_mut().collect(), |(_, now, work)| *work = begin(now, &surfaces));
+    for (job, now, work) in starts {
+        running.push(job);
+        start(commands.entity(job), now, work);
+    }
+    if let Some(mut diagnostics) = diagnostics {
+        diagnostics.admit += run.finish();
+    }
+}
+
+/// A job, and what is to be done about it.
+struct Candidate {
+    entity: Entity,
+    state: Option<JobState>,
+    has_work: bool,
+    now: FitInputs,
+    verdict: Verdict,
+}
+
+impl Candidate {
+    fn new(
+        job: <Job as bevy_ecs::query::QueryData>::Item<'_, '_>,
+        surfaces: &Query<Surface, With<Cage>>,
+        budgets: Budgets,
+    ) -> Self {
+        let (entity, _, fit, target, options, tolerance, job, has_work, cancelled) = job;
+        let now_surface = surfaces.get(fit.surface).ok();
+        let mut options = options.clone();
+        options.tolerance = tolerance.map_or(options.tolerance, |t| Some(t.fit));
+        let revision = |target: &FitTarget| caught(|| target.0.revision());
+        let now = FitInputs {
+            surface: fit.surface,
+            revision: now_surface.and_then(|(snapshot, _)| snapshot).map(|s| s.revision),
+            target: target.map(|t| Arc::clone(&t.0)),
+            target_revision: target.map_or(Ok(0), revision),
+            options,
+            budgets,
+        };
+        let surface = match now_surface {
+            None => SurfaceNow::Missing,
+            Some((Some(snapshot), _)) => SurfaceNow::Sound(snapshot.revision),
+            Some((None, Some(failed))) => SurfaceNow::Failed(failed.0.len()),
+            Some((None, None)) => SurfaceNow::Ungathered,
+        };
+        let wish = if cancelled { Wish::Cancel } else { Wish::Run };
+        // A job that has lost its work, which is derived, begins again.
+        let whole = job.filter(|job| has_work || !job.is_running());
+        let verdict = match verdict(wish, whole, &now, surface) {
+            // One that was never begun has nothing to clear; one that a host has stripped of its state has.
+            Verdict::Wait if job.is_none() && !has_work => Verdict::Keep,
+            Verdict::Keep if job.is_none() && has_work => Verdict::TakeBack,
+            verdict => verdict,
+        };
+        Self { entity, state: job.map(|job| job.state), has_work, now, verdict }
+    }
+
+    fn goes_on(&self) -> bool {
+        matches!(self.state, Some(JobState::Running(_))) && self.verdict == Verdict::Keep
+    }
+
+    /// Has it ended by itself? Then nothing of it is left to clear.
+    fn is_over(&self) -> bool {
+        matches!(self.state, Some(JobState::Finished | JobState::Failed))
+    }
+}
+
+/// Lets those that would start wait where another job is on the same surface, or comes first.
+fn wait_for_turns(candidates: &mut [Candidate]) {
+    let starting = candidates.iter().filter(|c| c.verdict == Verdict::Start).map(|c| (c.entity, c.now.surface));
+    let busy = candidates.iter().filter(|c| c.goes_on()).map(|c| c.now.surface);
+    let first = first_on_each_surface(&starting.collect::<Vec<_>>(), busy.collect());
+    for candidate in candidates.iter_mut().filter(|c| c.verdict == Verdict::Start && !first.contains(&c.entity)) {
+        let traced = candidate.state.is_some() || candidate.has_work;
+        candidate.verdict = if traced { Verdict::Wait } else { Verdict::Keep };
+    }
+}
+
+/// Begins the work of a job, on what its surface is now.
+fn begin(now: &FitInputs, surfaces: &Query<Surface, With<Cage>>) -> Result<FitWork, FitFault> {
+    let Ok((Some(snapshot), _)) = surfaces.get(now.surface) else {
+        return Err(FitFault::NoSurface { surface: now.surface });
+    };
+    let target = now.target.as_ref().ok_or(FitFault::NoTarget)?;
+    let guarded = Arc::new(Guarded::new(Arc::clone(target), now.budgets));
+    let most_details = usize::try_from(now.budgets.details).unwrap_or(usize::MAX);
+    let mut options = now.options.clone();
+    options.most_details = options.most_details.min(most_details);
+    let surface = Arc::clone(&snapshot.surface);
+    caught(|| FitWork::new(surface, guarded, options))
+        .map_err(|message| FitFault::Panicked { stage: Stage::Refine, message })?
+        .map_err(FitFault::Fit)
+}
+
+/// Puts a begun job on its way, or tells why it could not begin.
+fn start(mut job: EntityCommands, now: FitInputs, work: Result<FitWork, FitFault>) {
+    job.try_remove::<Traces>();
+    match work {
+        Ok(work) => {
+            let stage = work.stage();
+            job.try_insert((FitJob::new(JobState::Running(stage), now), work));
+            mark(&mut job, stage);
+        }
+        Err(why) => {
+            job.try_insert((FitJob::new(JobState::Failed, now), FitFailed { why, ladder: Vec::new() }));
+        }
+    }
+}
+
+/// Moves the marker of a job to `stage`.
+fn mark(job: &mut EntityCommands, stage: Stage) {
+    job.try_remove::<(AtCorrespond, AtModify, AtRefine)>();
+    match stage {
+        Stage::Correspond => job.try_insert(AtCorrespond),
+        Stage::Modify => job.try_insert(AtModify),
+        Stage::Refine => job.try_insert(AtRefine),
+    };
+}
+
+/// Despawns the details that belong to `jobs`.
+fn discard(commands: &mut Commands, jobs: &[Entity], details: impl Iterator<Item = (Entity, Entity)>) {
+    if jobs.is_empty() {
+        return;
+    }
+    for (detail, _) in details.filter(|(_, owner)| jobs.contains(owner)) {
+        commands.entity(detail).try_despawn();
+    }
+}
+
+type Coefficient = (Entity, &'static mut Detail, &'static DetailLevel, &'static Address, &'static mut DetailOf);
+
+/// Writes the transitions of all jobs that took a step, and the results of those that are done.
+pub fn advance_fits(
+    mut commands: Commands,
+    mut jobs: Query<(Entity, &mut FitJob, &FitWork), With<Fit>>,
+    mut details: Query<Coefficient>,
+    diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
+) {
+    let mut run = Counters::start();
+    let mut failed = Vec::new();
+    for (entity, mut job, work) in &mut jobs {
+        if job.step.is_none() {
+            run.counted.skipped += 1;
+            continue;
+        }
+        run.counted.items += 1;
+        let next = next_move(&mut job, work.outcome());
+        run.counted.written += u64::from(next != Move::Stay);
+        match next {
+            Move::Stay => {}
+            Move::GoTo(stage) => {
+                job.state = JobState::Running(stage);
+                mark(&mut commands.entity(entity), stage);
+            }
+            Move::Finish(outcome) => {
+                job.state = JobState::Finished;
+                let stored = deliver(&mut commands, &mut details, entity, job.inputs.surface, work);
+                let report = report(work, outcome, stored);
+                commands.entity(entity).try_remove::<(FitWork, AtCorrespond, AtModify, AtRefine)>().try_insert(report);
+            }
+            Move::Fail(why) => {
+                job.state = JobState::Failed;
+                failed.push(entity);
+                let ladder = work.ladder().to_vec();
+                let mut entity = commands.entity(entity);
+                entity.try_remove::<(FitWork, AtCorrespond, AtModify, AtRefine)>();
+                entity.try_insert(FitFailed { why, ladder });
+            }
+        }
+    }
+    discard(&mut commands, &failed, details.iter().map(|(detail, .., of)| (detail, of.0)));
+    if let Some(mut diagnostics) = diagnostics {
+        diagnostics.advance += run.finish();
+    }
+}
+
+fn report(work: &FitWork, outcome: Outcome, details: usize) -> FitReport {
+    FitReport { initial: work.initial().copied(), ladder: work.ladder().to_vec(), outcome, details }
+}
+
+/// Makes what `work` has found the details of `surface`. Returns how many they are.
+fn deliver(
+    commands: &mut Commands,
+    details: &mut Query<Coefficient>,
+    job: Entity,
+    surface: Entity,
+    work: &FitWork,
+) -> usize {
+    let (mut of_surface, mut of_job) = (Vec::<(Place, Entity)>::new(), Vec::new());
+    for (entity, _, level, &address, of) in details.iter() {
+        let place = ((level.0, address), entity);
+        of_surface.extend((of.0 == surface).then_some(place));
+        of_job.extend((of.0 == job).then_some(place));
+    }
+    let Commit { write, give, spawn, despawn } = commit(work.details(), of_surface, of_job);
+    let count = write.len() + give.len() + spawn.len();
+    for (entity, value) in write.into_iter().chain(give) {
+        if let Ok((_, mut detail, _, _, mut of)) = details.get_mut(entity) {
+            detail.set_if_neq(Detail(value));
+            of.set_if_neq(DetailOf(surface));
+        }
+    }
+    commands.spawn_batch(
+        spawn
+            .into_iter()
+            .map(move |((level, address), value)| (Detail(value), DetailLevel(level), address, DetailOf(surface))),
+    );
+    for entity in despawn {
+        commands.entity(entity).try_despawn();
+    }
+    count
+}

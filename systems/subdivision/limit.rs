@@ -1,0 +1,363 @@
+//! The limit surface of a combined Loop surface, ready to be evaluated anywhere.
+//!
+//! Kept are the levels that details reach, each over no more faces than they influence there; below
+//! them nothing but the rules acts, and [`Patch`] evaluates a face from the rings of its corners
+//! alone. Derived from the surface and dropped at will.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use selvedge_components::evaluate::{Evaluate, Jet, SurfacePoint};
+use selvedge_components::mesh::{Connectivity, VertexId};
+use selvedge_components::subdivision::boxspline::Quartic;
+use selvedge_components::subdivision::{
+    Address, CornerTable, Descent, FaceCode, Kind, LevelMesh, LimitFrame, LoopSurface, NONE, Patch, RingState, Scheme,
+    limit_frame, previous,
+};
+use thiserror::Error;
+
+use super::chain::{self, Level};
+use super::region;
+use crate::parallel::map_in_order;
+
+/// Why a surface cannot be evaluated.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum LimitError {
+    /// There is not one control point for each vertex.
+    #[error("{points} control points for {vertices} vertices")]
+    PointCount {
+        /// How many control points there are.
+        points: usize,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// A control point or curve sample is not finite.
+    #[error("the surface is not finite at {vertex:?}: {at}")]
+    NotFinite {
+        /// The vertex.
+        vertex: VertexId,
+        /// Its position.
+        at: DVec3,
+    },
+    /// Details lie on a level that is finer than faces of this mesh can be addressed.
+    #[error("details on level {level}, finer than the finest that {faces} root faces allow, {finest}")]
+    TooFine {
+        /// The finest level that has details.
+        level: u32,
+        /// Root faces.
+        faces: usize,
+        /// The finest possible.
+        finest: u32,
+    },
+}
+
+/// The limit position and tangents at every vertex of a level mesh that `wanted` selects, `None` at
+/// the others and where a ring is cut. See [`limit_frame`].
+pub fn limit_frames(
+    scheme: Scheme<'_>,
+    level: &Level,
+    wanted: impl Fn(u32) -> bool + Sync + Send,
+) -> Vec<Option<LimitFrame>> {
+    map_in_order(level.mesh.vertices.len(), |v| {
+        let v = v as u32;
+        wanted(v).then(|| limit_frame(scheme, &level.mesh, &level.state, v)).flatten()
+    })
+}
+
+/// The limit surface of a [`LoopSurface`], details, given borders and all.
+#[derive(Clone, Debug)]
+pub struct LimitSurface {
+    surface: Arc<LoopSurface>,
+    corners: CornerTable,
+    levels: Vec<KeptLevel>,
+}
+
+#[derive(Clone, Debug)]
+struct KeptLevel {
+    level: Level,
+    /// What each face is.
+    faces: Vec<Face>,
+    /// The control points of the faces that one polynomial covers.
+    nets: Vec<[u32; 12]>,
+}
+
+/// What evaluates a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Face {
+    /// Its children: the index of the first on the next level.
+    Children(u32),
+    /// One polynomial: its entry in the nets.
+    Regular(u32),
+    /// The rings of its corners.
+    Patch,
+}
+
+impl LimitSurface {
+    /// Prepares `surface`. Costs what the faces that details influence cost on every level, and one
+    /// pass over the root mesh.
+    ///
+    /// # Errors
+    /// Every variant of [`LimitError`].
+    pub fn new(surface: Arc<LoopSurface>) -> Result<Self, LimitError> {
+        let (points, vertices) = (surface.points.len(), surface.mesh.vertex_count());
+        if points != vertices {
+            return Err(LimitError::PointCount { points, vertices });
+        }
+        let (faces, level) = (surface.mesh.face_count(), surface.details.depth().saturating_sub(1));
+        let finest = FaceCode::finest(faces);
+        if level > finest {
+            return Err(LimitError::TooFine { level, faces, finest });
+        }
+        let corners = CornerTable::new(&surface);
+        let root = chain::root(&surface, &corners, &surface.details);
+        for (v, &at) in root.state.effective.iter().enumerate() {
+            if !at.is_finite() {
+                return Err(LimitError::NotFinite { vertex: VertexId::new(v), at });
+            }
+        }
+        let levels = Plan::new(&surface, &corners).build(&surface, &corners, root);
+        Ok(Self { surface, corners, levels })
+    }
+
+    /// The surface that is evaluated.
+    pub fn surface(&self) -> &Arc<LoopSurface> {
+        &self.surface
+    }
+
+    /// The finest level that is kept.
+    pub fn depth(&self) -> u32 {
+        self.levels.len() as u32 - 1
+    }
+
+    /// Is nothing but subdivision left to come within `code` of `level`: no details, and no rules
+    /// that need the surface's own levels?
+    pub fn is_settled(&self, level: u32, code: FaceCode) -> bool {
+        let mut face = code.root_face(level).0;
+        for (l, kept) in self.levels.iter().enumerate() {
+            match kept.faces.get(face as usize) {
+                Some(Face::Children(_)) if l as u32 == level => return false,
+                Some(Face::Children(first)) => face = first + (code.0 >> (2 * (level - 1 - l as u32)) & 3) as u32,
+                _ => return true,
+            }
+        }
+        true
+    }
+
+    /// The finest kept face at a place, and the way there.
+    #[inline]
+    fn find(&self, at: SurfacePoint) -> Option<(Found<'_>, Descent)> {
+        let mut face = at.face.0;
+        let mut way = Descent::new(at.st.x, at.st.y);
+        for kept in &self.levels {
+            match *kept.faces.get(face as usize)? {
+                Face::Children(first) => face = first + way.enter() as u32,
+                Face::Regular(net) => return Some((Found::Quartic(kept.quartic(net)), way)),
+                Face::Patch => {
+                    let scheme = Scheme { surface: &self.surface, corners: &self.corners };
+                    let patch = Patch::of(scheme, &kept.level.mesh, &kept.level.state, face);
+                    return Some((Found::Patch(patch), way));
+                }
+            }
+        }
+        None
+    }
+}
+
+/// What evaluates a place.
+enum Found<'a> {
+    Quartic(Quartic),
+    Patch(Patch<'a>),
+}
+
+impl KeptLevel {
+    #[inline]
+    fn quartic(&self, net: u32) -> Quartic {
+        Quartic::new(&self.nets[net as usize].map(|v| self.level.state.effective[v as usize]))
+    }
+}
+
+impl Evaluate for LimitSurface {
+    fn face_count(&self) -> usize {
+        self.surface.mesh.face_count()
+    }
+
+    /// Exact to rounding in the position; on a given border the curve's own point. A face that does
+    /// not exist gives NaN.
+    ///
+    /// Derivatives are exact to rounding as well, but within `2^-16` of a face from a given border,
+    /// where they are interpolated (third derivatives over `2^35`). At an irregular vertex they are
+    /// [`Tangents`](selvedge_components::subdivision::Tangents).
+    fn jet(&self, at: SurfacePoint) -> Jet {
+        match self.find(at) {
+            Some((Found::Quartic(quartic), way)) => way.back(quartic.jet(way.weights[1], way.weights[2])),
+            Some((Found::Patch(patch), way)) => way.back(patch.jet(way.weights)),
+            None => Jet { position: DVec3::NAN, ds: DVec3::NAN, dt: DVec3::NAN },
+        }
+    }
+
+    fn position(&self, at: SurfacePoint) -> DVec3 {
+        match self.find(at) {
+            Some((Found::Quartic(quartic), way)) => quartic.position(way.weights[1], way.weights[2]),
+            Some((Found::Patch(patch), way)) => patch.position(way.weights),
+            None => DVec3::NAN,
+        }
+    }
+}
+
+/// Which faces to keep, level by level.
+struct Plan {
+    /// The faces that are evaluated through their children, ascending.
+    split: Vec<Vec<FaceCode>>,
+    /// The faces whose children are kept: those of `split` and what their children's rings reach.
+    refined: Vec<Vec<FaceCode>>,
+}
+
+impl Plan {
+    fn new(surface: &LoopSurface, corners: &CornerTable) -> Self {
+        let split = split_faces(surface, corners);
+        let grow = |level: usize, faces: &[FaceCode]| region::neighbourhood(&surface.mesh, level as u32, faces);
+        let mut refined = vec![Vec::new(); split.len()];
+        for l in (0..split.len()).rev() {
+            let mut needed = grow(l + 1, &region::children(&split[l]));
+            if let Some(finer) = refined.get(l + 1) {
+                needed.extend(grow(l + 1, finer));
+                needed = region::ascending(needed);
+            }
+            refined[l] = region::parents(&needed);
+        }
+        Self { split, refined }
+    }
+
+    fn build(&self, surface: &LoopSurface, corners: &CornerTable, root: Level) -> Vec<KeptLevel> {
+        let mut reached = region::whole(&surface.mesh, 0);
+        let mut level = root;
+        let mut kept = Vec::with_capacity(self.split.len() + 1);
+        for (split, refined) in self.split.iter().zip(&self.refined) {
+            let local: Vec<u32> = refined.iter().filter_map(|&code| level.mesh.find(code)).collect();
+            let (finer, _) = chain::refine(surface, corners, &surface.details, &level, &local);
+            kept.push(KeptLevel::new(level, &reached, split, refined));
+            reached = region::children(split);
+            level = finer;
+        }
+        kept.push(KeptLevel::new(level, &reached, &[], &[]));
+        kept
+    }
+}
+
+/// The faces of each level that do not settle the surface: those whose children a detail of a finer
+/// level influences, or the rules at special corners, which want one level between corners.
+fn split_faces(surface: &LoopSurface, corners: &CornerTable) -> Vec<Vec<FaceCode>> {
+    let mesh = &surface.mesh;
+    let mut split = vec![Vec::new(); surface.details.depth().saturating_sub(1) as usize];
+    let special = corners.corners.iter().flat_map(|c| mesh.ring(c.vertex)).map(|h| FaceCode::root(h.face()));
+    let special = region::neighbourhood(mesh, 0, &region::ascending(special.collect()));
+    if !special.is_empty() && split.is_empty() {
+        split.push(Vec::new());
+    }
+    let mut finer = Vec::new();
+    for l in (0..split.len()).rev() {
+        let level = l as u32 + 1;
+        let stored = surface.details.levels.get(level as usize).map_or(&[][..], Vec::as_slice);
+        let at = stored.iter().map(|&(address, _)| face_at(mesh, level, address)).collect();
+        // A detail shapes the faces of two rings around it.
+        let around = region::neighbourhood(mesh, level, &region::ascending(at));
+        let mut faces = region::neighbourhood(mesh, level, &around);
+        faces.extend(&finer);
+        let mut parents = region::parents(&region::ascending(faces));
+        parents.extend(if l == 0 { &special[..] } else { &[] });
+        split[l] = region::ascending(parents);
+        finer = split[l].clone();
+    }
+    split
+}
+
+/// One of the faces of `level` that touch `address`.
+fn face_at(mesh: &Connectivity, level: u32, address: Address) -> FaceCode {
+    let n = 1_u32 << level;
+    let (face, corners) = match address {
+        Address::Corner(v) => {
+            let h = mesh.outgoing(v);
+            (h.face(), [0, 1, 2].map(|c| if c == h.corner() { n } else { 0 }))
+        }
+        Address::Edge(e, steps) => {
+            let h = mesh.halfedge(e);
+            let towards_end = if mesh.from(h) < mesh.to(h) { steps } else { n.saturating_sub(steps) };
+            let mut weights = [0; 3];
+            weights[h.corner()] = n.saturating_sub(towards_end);
+            weights[h.next().corner()] = towards_end;
+            (h.face(), weights)
+        }
+        Address::Face(f, i, j) => (f, [n.saturating_sub(i).saturating_sub(j), i, j]),
+    };
+    // Down the quarters that hold the point, with whole weights that sum to the level's steps.
+    let mut weights = corners;
+    (0..level).rev().fold(FaceCode::root(face), |code, l| {
+        let half = 1_u32 << l;
+        match weights.iter().position(|&w| w >= half) {
+            Some(c) => {
+                weights[c] -= half;
+                code.child(c)
+            }
+            None => {
+                let [a, b, c] = weights;
+                weights = [half - c, half - a, half - b];
+                code.child(3)
+            }
+        }
+    })
+}
+
+impl KeptLevel {
+    /// The level, of which `reached` are the faces that evaluation may come to.
+    fn new(level: Level, reached: &[FaceCode], split: &[FaceCode], refined: &[FaceCode]) -> Self {
+        let mut faces = vec![Face::Patch; level.mesh.corners.len()];
+        let mut nets = Vec::new();
+        for &code in reached {
+            let Some(face) = level.mesh.find(code) else { continue };
+            faces[face as usize] = if split.binary_search(&code).is_ok() {
+                let family = refined.partition_point(|&r| r < code);
+                Face::Children(4 * family as u32)
+            } else if let Some(net) = regular_net(&level.mesh, face) {
+                nets.push(net);
+                Face::Regular(nets.len() as u32 - 1)
+            } else {
+                Face::Patch
+            };
+        }
+        Self { level, faces, nets }
+    }
+}
+
+/// The control points of `face`, in the order of a
+/// [`Net`](selvedge_components::subdivision::boxspline::Net), where its corners are interior, of
+/// valence 6 and away from special corners: it is one polynomial then.
+pub fn regular_net(mesh: &LevelMesh, face: u32) -> Option<[u32; 12]> {
+    let mut net = [0; 12];
+    for c in 0..3 {
+        let ring = hexagon(mesh, 3 * face + c as u32)?;
+        net[c] = mesh.corners[face as usize][c];
+        net[3 + c] = ring[5];
+        (net[6 + 2 * c], net[7 + 2 * c]) = (ring[3], ring[4]);
+    }
+    Some(net)
+}
+
+/// The six neighbours of the vertex that `h` leaves, from the one it reaches, if that is all that
+/// there is to the vertex.
+fn hexagon(mesh: &LevelMesh, h: u32) -> Option<[u32; 6]> {
+    let vertex = mesh.vertices[mesh.from(h) as usize];
+    if vertex.valence != 6 || vertex.kind != Kind::Interior || vertex.ring == RingState::Cut {
+        return None;
+    }
+    let mut ring = [0; 6];
+    let mut spoke = h;
+    for neighbour in &mut ring {
+        *neighbour = mesh.to(spoke);
+        if mesh.vertices[*neighbour as usize].corner != NONE {
+            return None;
+        }
+        spoke = mesh.twin(previous(spoke))?;
+    }
+    Some(ring)
+}
