@@ -11,6 +11,8 @@ pub mod modify;
 pub mod quasi;
 pub mod refine;
 pub mod region;
+pub mod relax;
+pub mod remesh;
 mod system;
 pub mod tessellate;
 

@@ -1,0 +1,133 @@
+//! # Relax: the new vertices settle along the curve
+//!
+//! | reads | writes | after | before |
+//! | --- | --- | --- | --- |
+//! | the strip, the rim's limit points, the curve | the parameters of the smooth knots | remesh | correspond |
+//!
+//! Each smooth knot moves towards the tip of an isosceles triangle over its rim edge `q r`:
+//! `((q + r) / 2 - c(u)) . (q - r) = 0` [Litke et al. 2001, Section 3.1]. Where the rim turns inwards
+//! the perpendiculars of neighbours cross, and knots that followed them would lose their order; so a
+//! knot keeps to the middle part of the way between its neighbours.
+
+use glam::DVec3;
+use selvedge_components::curve::Curve;
+use selvedge_components::curve::Heading;
+
+/// How the relaxation is run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RelaxOptions {
+    /// The part of the way to the solution that a knot goes in a sweep, in (0, 1].
+    pub step: f64,
+    /// How many sweeps; the parameters converge within a few.
+    pub sweeps: u32,
+    /// The middle part between its neighbours that a knot keeps to, in (0, 1).
+    pub middle: f64,
+}
+
+impl Default for RelaxOptions {
+    fn default() -> Self {
+        Self { step: 0.5, sweeps: 20, middle: 0.4 }
+    }
+}
+
+/// What the relaxation did to one strip.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Relaxed {
+    /// Sweeps made.
+    pub sweeps: u32,
+    /// The greatest distance of a knot from its isosceles place, along the rim edge and over its
+    /// length: before and after.
+    pub residual: [f64; 2],
+    /// The worst shape of a triangle of the strip, `2 area / longest edge^2` (0.87 for an
+    /// equilateral one): before and after.
+    pub worst_shape: [f64; 2],
+}
+
+/// A knot to be relaxed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slider {
+    /// The travel parameter; rises from knot to knot.
+    pub t: f64,
+    /// The ends of its rim edge; `None` for a corner, which stays.
+    pub base: Option<[DVec3; 2]>,
+}
+
+/// The curve's parameter of travel parameter `t`: on a closed curve in [0, 1).
+pub fn curve_parameter(curve: &dyn Curve, heading: Heading, t: f64) -> f64 {
+    let u = if heading == Heading::Along { t } else { -t };
+    if !curve.closed() {
+        return u.clamp(0.0, 1.0);
+    }
+    let inside = u - u.floor();
+    // Rounding may bring it to one, which is zero.
+    if inside >= 1.0 { 0.0 } else { inside }
+}
+
+/// Relaxes the knots of one closed strip, whose last knot is followed by the first, one later.
+pub fn relax(curve: &dyn Curve, heading: Heading, knots: &mut [Slider], options: RelaxOptions) {
+    let n = knots.len();
+    let point = |t: f64| curve.position(curve_parameter(curve, heading, t));
+    let sign = if heading == Heading::Along { 1.0 } else { -1.0 };
+    let slope = |t: f64| sign * curve.derivative(curve_parameter(curve, heading, t));
+    let gap = least_gaps(knots, options);
+    for _ in 0..options.sweeps {
+        let old: Vec<f64> = knots.iter().map(|k| k.t).collect();
+        for i in 0..n {
+            let Some([q, r]) = knots[i].base else { continue };
+            let before = old[(i + n - 1) % n] - if i == 0 { 1.0 } else { 0.0 };
+            let after = old[(i + 1) % n] + if i + 1 == n { 1.0 } else { 0.0 };
+            let edge = 0.5 * (1.0 - options.middle) * (after - before);
+            // The middle part, less what lies nearer to a neighbour than the least gap.
+            let edge = edge.max(gap[i].min(0.5 * (after - before)));
+            let (low, high) = (before + edge, after - edge);
+            let mut t = old[i];
+            for _ in 0..NEWTON {
+                let f = (0.5 * (q + r) - point(t)).dot(q - r);
+                let df = -slope(t).dot(q - r);
+                // A curve that runs across the rim edge has no isosceles place nearby.
+                let next = if df != 0.0 { t - f / df } else { t };
+                t = if next.is_finite() { next.clamp(low, high) } else { t.clamp(low, high) };
+            }
+            knots[i].t = (1.0 - options.step) * old[i] + options.step * t.clamp(low, high);
+        }
+    }
+}
+
+/// By knot, the least gap to its neighbours: a part of the mean gap between the two corners that it
+/// lies between. A rim that bends round a corner would draw one knot after the other into it.
+fn least_gaps(knots: &[Slider], options: RelaxOptions) -> Vec<f64> {
+    let n = knots.len();
+    let fixed: Vec<usize> = (0..n).filter(|&i| knots[i].base.is_none()).collect();
+    let share = 0.5 * (1.0 - options.middle);
+    if fixed.is_empty() {
+        return vec![share / n as f64; n];
+    }
+    let mut gaps = vec![0.0; n];
+    for (k, &from) in fixed.iter().enumerate() {
+        let to = fixed[(k + 1) % fixed.len()];
+        let round = k + 1 == fixed.len();
+        let count = if round { to + n - from } else { to - from };
+        let way = knots[to].t - knots[from].t + if round { 1.0 } else { 0.0 };
+        (1..count).for_each(|j| gaps[(from + j) % n] = share * way / count as f64);
+    }
+    gaps
+}
+
+/// Newton steps in a sweep: the next sweep goes on where this one stops.
+const NEWTON: u32 = 3;
+
+/// How far the knots are from their isosceles places: see [`Relaxed::residual`].
+pub fn residual(curve: &dyn Curve, heading: Heading, knots: &[Slider]) -> f64 {
+    let off = knots.iter().filter_map(|k| {
+        let [q, r] = k.base?;
+        let p = curve.position(curve_parameter(curve, heading, k.t));
+        Some((0.5 * (q + r) - p).dot(q - r).abs() / (q - r).length_squared())
+    });
+    off.fold(0.0, f64::max)
+}
+
+/// `2 area / longest edge^2` of a triangle: 0 for a degenerate one, 0.87 for an equilateral one.
+pub fn shape([a, b, c]: [DVec3; 3]) -> f64 {
+    let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+    if longest > 0.0 { (b - a).cross(c - a).length() / longest } else { 0.0 }
+}

@@ -1,0 +1,207 @@
+//! # Adapt: the cage near a curve becomes as fine as the curve asks for
+//!
+//! Three rules, each a set of red splits (one face into four):
+//!
+//! 1. *follow*: a face is split while a piece of curve inside it is longer than its chord by more
+//!    than [`AdaptOptions::bend`] [Litke et al. 2001, Section 3.1], or while a smooth piece of curve
+//!    is shorter than some of its edges;
+//! 2. *near*: every face nearer to a curve than [`AdaptOptions::near`] of its own size is split down
+//!    to the level that the curve uses, so that the strip along the curve is narrow and its faces
+//!    alike: wide strips end in vertices of valence 8;
+//! 3. *balance*: neighbours differ by one level at most.
+
+use selvedge_components::subdivision::{CornerTable, FaceCode, LoopSurface, NONE};
+
+use super::error::RemeshError;
+use super::field::Field;
+use super::leaves::Leaves;
+use super::track::{Near, Track, Visit, size, spread};
+
+/// What the cage near a curve is adapted to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AdaptOptions {
+    /// Arc over chord, less one, above which a face is split. One hundredth is a turn of half a
+    /// radian in a face, some 13 faces round a circle.
+    pub bend: f64,
+    /// Faces nearer to a curve than this many of their own sizes are split to the curve's level.
+    pub near: f64,
+    /// How many edges a smooth piece of curve between two corners has at least.
+    pub pieces: f64,
+    /// The level that the whole cage is brought to first: each level halves the reach of a change.
+    pub base: u32,
+    /// The finest level allowed.
+    pub finest: u32,
+    /// The most faces that the cage may have.
+    pub most_faces: usize,
+}
+
+impl Default for AdaptOptions {
+    fn default() -> Self {
+        Self { bend: 0.01, near: 1.2, pieces: 3.0, base: 0, finest: 12, most_faces: 1 << 22 }
+    }
+}
+
+/// Leaves that suit all curves of `track`. `least` asks for a level where rule 1 finds less, by
+/// segment.
+///
+/// # Errors
+/// [`RemeshError::TooFine`], [`RemeshError::TooManyFaces`].
+pub fn adapt(
+    surface: &LoopSurface,
+    corners: &CornerTable,
+    track: &Track,
+    options: &AdaptOptions,
+    least: &[u32],
+) -> Result<Leaves, RemeshError> {
+    let limit = options.finest.min(FaceCode::finest(surface.mesh.face_count()).saturating_sub(2));
+    let mut leaves = Leaves::uniform(&surface.mesh, options.base.min(limit));
+    let by_curve = follow(surface, corners, track, options, limit)?;
+    let wanted = track.points.iter().zip(least).map(|(p, &least)| by_curve[p.cut as usize].max(least));
+    let finest: Vec<u32> = wanted.collect();
+    if let Some(s) = finest.iter().position(|&l| l > limit) {
+        return Err(too_fine(track, limit, s as u32));
+    }
+    let deepest = finest.iter().copied().max().unwrap_or(0);
+    for level in options.base..deepest {
+        for code in near(surface, corners, track, options, &leaves, level, &finest) {
+            leaves.split(&surface.mesh, level, code);
+        }
+        let faces = surface.mesh.face_count() + 3 * leaves.split_count();
+        if faces > options.most_faces {
+            return Err(RemeshError::TooManyFaces { level: level + 1, faces, limit: options.most_faces });
+        }
+    }
+    leaves.fill(&surface.mesh);
+    Ok(leaves)
+}
+
+fn too_fine(track: &Track, limit: u32, segment: u32) -> RemeshError {
+    let p = &track.points[segment as usize];
+    RemeshError::TooFine { limit, curve: p.cut as usize, u: p.t.abs(), at: p.position }
+}
+
+/// Rule 1: the finest level that each curve asks for.
+fn follow(
+    surface: &LoopSurface,
+    corners: &CornerTable,
+    track: &Track,
+    options: &AdaptOptions,
+    limit: u32,
+) -> Result<Vec<u32>, RemeshError> {
+    let mut finest = vec![options.base; track.tracks.len()];
+    let lengths = piece_lengths(track);
+    let mut open: Option<Vec<FaceCode>> = None;
+    for level in options.base..=limit {
+        let mut visits = track.visits(level);
+        if let Some(open) = &open {
+            visits.retain(|v| open.binary_search(&v.code.parent()).is_ok());
+        }
+        if visits.is_empty() {
+            return Ok(finest);
+        }
+        let faces = super::super::region::ascending(visits.iter().map(|v| v.code).collect());
+        let field = Field::new(surface, corners, level, &faces);
+        let mut split = Vec::new();
+        for run in visits.chunk_by(|a, b| a.code == b.code && joined(track, a, b)) {
+            let Some(face) = field.level.mesh.find(run[0].code) else { continue };
+            let edge = size(field.triangle(face));
+            let (arc, chord) = arc_and_chord(track, run);
+            let cut = track.points[run[0].segment as usize].cut as usize;
+            let length = lengths[run[0].segment as usize];
+            let bends = arc > SHORTEST * edge && arc > (1.0 + options.bend) * chord;
+            if bends || options.pieces * edge > length {
+                if level == limit {
+                    return Err(too_fine(track, limit, run[0].segment));
+                }
+                split.push(run[0].code);
+                finest[cut] = level + 1;
+            }
+        }
+        open = Some(super::super::region::ascending(split));
+    }
+    Ok(finest)
+}
+
+/// A curve that touches a face by less than this part of its size is the business of the faces
+/// beside it; where it runs through a vertex it may touch some by a rounding error.
+const SHORTEST: f64 = 0.1;
+
+/// Is `b` the smooth continuation of `a`?
+fn joined(track: &Track, a: &Visit, b: &Visit) -> bool {
+    a.segment == b.segment
+        || track.points[a.segment as usize].next == b.segment && !track.points[b.segment as usize].corner
+}
+
+/// How long a run of visits is, along the track and straight.
+fn arc_and_chord(track: &Track, run: &[Visit]) -> (f64, f64) {
+    let at = |visit: &Visit, end: usize| {
+        track.position(Near { segment: visit.segment, part: visit.part[end], distance: 0.0 })
+    };
+    let arc = run.iter().map(|v| at(v, 0).distance(at(v, 1))).sum();
+    (arc, at(&run[0], 0).distance(at(&run[run.len() - 1], 1)))
+}
+
+/// By segment, the length of the smooth piece of curve that it belongs to.
+fn piece_lengths(track: &Track) -> Vec<f64> {
+    let mut lengths: Vec<f64> = track.points.iter().map(|p| track.tracks[p.cut as usize].length).collect();
+    for start in 0..track.points.len() {
+        let p = &track.points[start];
+        if !(p.corner || p.previous == NONE) || p.next == NONE {
+            continue;
+        }
+        let mut piece = Vec::new();
+        let mut at = start as u32;
+        let mut length = 0.0;
+        while track.points[at as usize].next != NONE {
+            piece.push(at);
+            let (a, b) = track.ends(at);
+            length += a.distance(b);
+            at = track.points[at as usize].next;
+            if track.points[at as usize].corner || at as usize == start {
+                break;
+            }
+        }
+        piece.iter().for_each(|&s| lengths[s as usize] = length);
+    }
+    lengths
+}
+
+/// Rule 2: the faces of `level` that are to be split.
+fn near(
+    surface: &LoopSurface,
+    corners: &CornerTable,
+    track: &Track,
+    options: &AdaptOptions,
+    leaves: &Leaves,
+    level: u32,
+    finest: &[u32],
+) -> Vec<FaceCode> {
+    let existing = leaves.existing(&surface.mesh, level);
+    let field = Field::new(surface, corners, level, &existing);
+    let mesh = &field.level.mesh;
+    let wanted = |segment: u32| finest[segment as usize] > level;
+    let visits = track.visits(level).into_iter().filter(|v| wanted(v.segment));
+    let seeds: Vec<(u32, u32)> = visits.filter_map(|v| Some((mesh.find(v.code)?, v.segment))).collect();
+    let near = spread(track, &mesh.corners, &field.limit, seeds.iter().copied());
+    let mut split: Vec<FaceCode> = seeds.iter().map(|&(face, _)| mesh.codes[face as usize]).collect();
+    for (face, code) in mesh.codes.iter().enumerate() {
+        if existing.binary_search(code).is_err() {
+            continue;
+        }
+        let [a, b, c] = mesh.corners[face].map(|v| near[v as usize]);
+        let corners = field.triangle(face as u32);
+        let limit = options.near * size(corners);
+        let middle = |i: usize, from: Option<Near>| {
+            let x = 0.5 * (corners[i] + corners[(i + 1) % 3]);
+            from.map_or(f64::INFINITY, |n| track.nearest(n.segment, x).distance)
+        };
+        let distances = [a, b, c].into_iter().enumerate().map(|(i, n)| {
+            let own = n.map_or(f64::INFINITY, |n| n.distance);
+            own.min(middle(i, n)).min(middle((i + 2) % 3, n))
+        });
+        if distances.fold(f64::INFINITY, f64::min) < limit {
+            split.push(*code);
+        }
+    }
+    super::super::region::ascending(split)
+}

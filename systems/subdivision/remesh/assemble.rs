@@ -1,0 +1,427 @@
+//! The surface that remeshing leaves: faces, control points, sides, details, and where each came from.
+//!
+//! What the curves did not touch keeps its order: vertices and faces of the root mesh come first, in
+//! the order they had, with the bits they had.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use selvedge_components::evaluate::SurfacePoint;
+use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
+use selvedge_components::subdivision::{Address, Details, FaceCode, LoopSurface, NONE};
+
+use super::super::region;
+use super::super::relax::{Relaxed, curve_parameter};
+use super::attach::{KnotKind, Strip};
+use super::closure::{Part, Piece, at_level};
+use super::remove::{Fate, Trouble};
+use super::{Work, cleanup, manifold, sides};
+
+/// Where a vertex of the new cage came from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum VertexOrigin {
+    /// It is this vertex of the source, with its control point.
+    Root(VertexId),
+    /// It is the vertex at this address of a level of the source, with that level's control point.
+    Lattice {
+        /// The level.
+        level: u32,
+        /// The address at that level.
+        address: Address,
+    },
+    /// It lies on a curve.
+    OnCurve {
+        /// The curve, by index.
+        curve: u32,
+        /// Its index among the curve's parameters.
+        index: u32,
+    },
+}
+
+/// Where a face of the new cage came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaceOrigin {
+    /// It is this whole face of a level of the source.
+    Leaf {
+        /// The level.
+        level: u32,
+        /// The face.
+        code: FaceCode,
+    },
+    /// It is a part of this face of the source, next to a finer one, or was flipped with one.
+    Closure {
+        /// The level.
+        level: u32,
+        /// The face.
+        code: FaceCode,
+    },
+    /// It joins the rest to this curve.
+    Strip {
+        /// The curve, by index.
+        curve: u32,
+    },
+}
+
+/// A remeshed surface.
+#[derive(Clone, Debug)]
+pub struct Remeshed {
+    /// The new surface.
+    pub surface: LoopSurface,
+    /// By vertex.
+    pub vertex_origin: Vec<VertexOrigin>,
+    /// By face.
+    pub face_origin: Vec<FaceOrigin>,
+    /// The place of the source that stands for each vertex: the natural correspondence.
+    pub natural: Vec<SurfacePoint>,
+    /// The source's limit point there; the curve's point for a vertex on a curve.
+    pub limit: Vec<DVec3>,
+    /// The vertices whose ring is not the one they had, ascending.
+    pub changed: Vec<VertexId>,
+    /// What became of the faces of the source: leaves that tile it, each with its fate. By root face.
+    pub fates: Vec<(u32, FaceCode, Fate)>,
+    /// What relaxation did, by curve.
+    pub relaxed: Vec<Relaxed>,
+    /// How many faces the valence clean-up changed.
+    pub flipped: usize,
+}
+
+impl Remeshed {
+    /// `Omega^0 = N(T^0)`, where `T^0` are the faces around changed vertices: the faces whose limit
+    /// patch may differ from the source's. Beyond them it has the same bits; where the whole cage was
+    /// refined for a small reach, it is the same up to rounding.
+    /// [Litke et al. 2001, Section 3.3]
+    pub fn omega(&self) -> Vec<FaceCode> {
+        let mesh = &self.surface.mesh;
+        let around = self.changed.iter().flat_map(|&v| mesh.ring(v)).map(|h| FaceCode::root(h.face()));
+        region::neighbourhood(mesh, 0, &region::ascending(around.collect()))
+    }
+}
+
+/// Makes a surface of what is left and the strips.
+pub(super) fn assemble(work: &Work<'_>, relaxed: Vec<Relaxed>) -> Result<Remeshed, Trouble> {
+    let mut parts = Parts::gather(work);
+    let names = parts.name_vertices(work);
+    let vertex_count = parts.vertices.len();
+    let mesh = manifold(vertex_count, &parts.triangles)?;
+    let may = parts.flippable(work, &mesh);
+    // The strips come last and are not flipped: the vertices on their curves are border vertices.
+    let flipped = cleanup::clean_up(mesh, &mut parts.triangles, &parts.limit, |v| may[v as usize]);
+    for &f in &flipped {
+        if let FaceOrigin::Leaf { level, code } = parts.origins[f as usize] {
+            parts.origins[f as usize] = FaceOrigin::Closure { level, code };
+        }
+    }
+    let mesh = Arc::new(manifold(vertex_count, &parts.triangles)?);
+    let sides = sides::sides(work, &parts, &mesh)?;
+    let mut changed = changed(work, &parts, &mesh);
+    changed.extend(&sides.touched);
+    changed.sort_unstable();
+    changed.dedup();
+    let surface = LoopSurface {
+        points: parts.points(work),
+        corner_rule: work.surface.corner_rule,
+        details: details(work, &parts, &names, &mesh, sides.details),
+        sides: sides.sides,
+        mesh,
+    };
+    Ok(Remeshed {
+        natural: parts.vertices.iter().map(|&v| natural(work, v)).collect(),
+        vertex_origin: parts.vertices.iter().map(|&v| origin(work, v)).collect(),
+        face_origin: parts.origins,
+        limit: parts.limit,
+        changed,
+        fates: fates(work),
+        relaxed,
+        flipped: flipped.len(),
+        surface,
+    })
+}
+
+/// A vertex of the new cage, before it has its number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Vertex {
+    /// A vertex of the adapted cage.
+    Lattice(u32),
+    /// A knot of a strip.
+    Knot(u32, u32),
+}
+
+/// The new cage on its way.
+pub(super) struct Parts {
+    triangles: Vec<[u32; 3]>,
+    origins: Vec<FaceOrigin>,
+    pub vertices: Vec<Vertex>,
+    pub limit: Vec<DVec3>,
+}
+
+/// The number of the adapted cage's vertices in the new one, or [`NONE`].
+struct Names {
+    lattice: Vec<u32>,
+    /// The first knot of each strip.
+    knots: Vec<u32>,
+}
+
+impl Parts {
+    /// Kept whole root faces, then the other kept ones, in their order. Vertices still have the
+    /// numbers of the adapted cage.
+    fn gather(work: &Work<'_>) -> Self {
+        let is_root = |p: &Piece| p.level == 0 && p.part == Part::Whole;
+        let kept = || (0..work.adapted.triangles.len()).filter(|&f| work.remains.fates[f] == Fate::Kept);
+        let roots = kept().filter(|&f| is_root(&work.adapted.sources[f]));
+        let order: Vec<usize> = roots.chain(kept().filter(|&f| !is_root(&work.adapted.sources[f]))).collect();
+        let origin = |p: &Piece| match p.part {
+            Part::Whole => FaceOrigin::Leaf { level: p.level, code: p.leaf },
+            Part::Closure => FaceOrigin::Closure { level: p.level, code: p.leaf },
+        };
+        Self {
+            triangles: order.iter().map(|&f| work.adapted.triangles[f]).collect(),
+            origins: order.iter().map(|&f| origin(&work.adapted.sources[f])).collect(),
+            vertices: Vec::new(),
+            limit: Vec::new(),
+        }
+    }
+
+    /// Numbers the vertices: those of the root mesh in their order, then those of its lattices, then
+    /// the knots; renames the triangles and adds those of the strips.
+    fn name_vertices(&mut self, work: &Work<'_>) -> Names {
+        let lattice = &work.adapted.vertices;
+        let mut used = vec![false; lattice.len()];
+        self.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+        let mut order: Vec<u32> = (0..lattice.len() as u32).filter(|&v| used[v as usize]).collect();
+        order.sort_by_key(|&v| match lattice[v as usize].address {
+            Address::Corner(root) => (0, root.0),
+            _ => (1, v),
+        });
+        let mut names = Names { lattice: vec![NONE; lattice.len()], knots: Vec::new() };
+        for (name, &v) in order.iter().enumerate() {
+            names.lattice[v as usize] = name as u32;
+        }
+        self.vertices = order.into_iter().map(Vertex::Lattice).collect();
+        self.triangles.iter_mut().flatten().for_each(|v| *v = names.lattice[*v as usize]);
+        for (s, strip) in work.strips.iter().enumerate() {
+            let begin = self.vertices.len() as u32;
+            names.knots.push(begin);
+            self.vertices.extend((0..strip.knots.len() as u32).map(|k| Vertex::Knot(s as u32, k)));
+            let renamed =
+                Strip { rim: strip.rim.iter().map(|&v| names.lattice[v as usize]).collect(), ..strip.clone() };
+            let triangles = renamed.triangles(|k| begin + k as u32);
+            self.origins.extend(triangles.iter().map(|_| FaceOrigin::Strip { curve: strip.cut }));
+            self.triangles.extend(triangles);
+        }
+        self.limit = self.vertices.iter().map(|&v| limit(work, v)).collect();
+        names
+    }
+
+    /// Vertices that the clean-up may give other edges: those of refined faces and of the rims, and
+    /// their neighbours.
+    fn flippable(&self, work: &Work<'_>, mesh: &Connectivity) -> Vec<bool> {
+        let touched = |v: usize| match self.vertices[v] {
+            Vertex::Knot(..) => true,
+            Vertex::Lattice(l) => work.adapted.vertices[l as usize].birth > work.base,
+        };
+        let mut own: Vec<bool> = (0..self.vertices.len()).map(touched).collect();
+        for (triangle, _) in
+            self.triangles.iter().zip(&self.origins).filter(|(_, o)| matches!(o, FaceOrigin::Strip { .. }))
+        {
+            triangle.iter().for_each(|&v| own[v as usize] = true);
+        }
+        let near = |v: usize| own[v] || mesh.neighbours(VertexId::new(v)).any(|n| own[n.index()]);
+        (0..own.len()).map(near).collect()
+    }
+
+    /// Control points. Those of kept root vertices are the source's own; finer ones have the details
+    /// of the levels up to theirs in them.
+    fn points(&self, work: &Work<'_>) -> Vec<DVec3> {
+        let point = |(v, vertex): (usize, &Vertex)| match *vertex {
+            Vertex::Knot(..) => self.limit[v],
+            Vertex::Lattice(l) => {
+                let lattice = &work.adapted.vertices[l as usize];
+                match lattice.address {
+                    Address::Corner(root) if lattice.level == 0 => work.surface.points[root.index()],
+                    _ => lattice.point,
+                }
+            }
+        };
+        self.vertices.iter().enumerate().map(point).collect()
+    }
+}
+
+/// The travel of a knot as the curve's own parameter; that of a corner to the bit.
+pub(super) fn knot_parameter(work: &Work<'_>, strip: u32, knot: u32) -> f64 {
+    let strip = &work.strips[strip as usize];
+    let cut = &work.cuts[strip.cut as usize];
+    let knot = &strip.knots[knot as usize];
+    let u = curve_parameter(&*cut.curve, cut.heading, knot.t);
+    if knot.kind == KnotKind::Smooth || knot.kind == KnotKind::End {
+        return u;
+    }
+    // A few sums and differences of numbers of the size of one lie between.
+    let apart = |v: f64| (u - v - (u - v).round()).abs();
+    let nearest = cut.curve.corners().iter().copied().min_by(|a, b| apart(*a).total_cmp(&apart(*b)));
+    nearest.unwrap_or(u)
+}
+
+fn limit(work: &Work<'_>, vertex: Vertex) -> DVec3 {
+    match vertex {
+        Vertex::Lattice(l) => work.adapted.vertices[l as usize].limit,
+        Vertex::Knot(s, k) => {
+            work.cuts[work.strips[s as usize].cut as usize].curve.position(knot_parameter(work, s, k))
+        }
+    }
+}
+
+fn origin(work: &Work<'_>, vertex: Vertex) -> VertexOrigin {
+    match vertex {
+        Vertex::Lattice(l) => {
+            let v = &work.adapted.vertices[l as usize];
+            match v.address {
+                Address::Corner(root) if v.level == 0 => VertexOrigin::Root(root),
+                _ => VertexOrigin::Lattice { level: v.level, address: at_level(v.address, v.birth, v.level) },
+            }
+        }
+        Vertex::Knot(s, k) => {
+            let index = work.parameters[s as usize].1[k as usize] as u32;
+            VertexOrigin::OnCurve { curve: work.strips[s as usize].cut, index }
+        }
+    }
+}
+
+fn natural(work: &Work<'_>, vertex: Vertex) -> SurfacePoint {
+    match vertex {
+        Vertex::Lattice(l) => {
+            let v = &work.adapted.vertices[l as usize];
+            place_of(&work.surface.mesh, v.birth, v.address)
+        }
+        Vertex::Knot(s, k) => {
+            let strip = &work.strips[s as usize];
+            work.track.source(work.track.place_of_parameter(strip.cut, strip.knots[k as usize].t))
+        }
+    }
+}
+
+/// The place of the vertex at `address` of `level`.
+pub fn place_of(mesh: &Connectivity, level: u32, address: Address) -> SurfacePoint {
+    let n = f64::from(1_u32 << level);
+    let on = |h: HalfedgeId, w: f64| {
+        let mut weights = [0.0; 3];
+        weights[h.corner()] = 1.0 - w;
+        weights[h.next().corner()] = w;
+        SurfacePoint::new(h.face(), weights[1], weights[2])
+    };
+    match address {
+        Address::Corner(v) => on(mesh.outgoing(v), 0.0),
+        Address::Edge(e, steps) => {
+            let h = mesh.halfedge(e);
+            let w = f64::from(steps) / n;
+            on(h, if mesh.from(h) < mesh.to(h) { w } else { 1.0 - w })
+        }
+        Address::Face(f, i, j) => SurfacePoint::new(f, f64::from(i) / n, f64::from(j) / n),
+    }
+}
+
+/// What became of each leaf: kept if all of it is, cut if a part of it is cut.
+fn fates(work: &Work<'_>) -> Vec<(u32, FaceCode, Fate)> {
+    let mut fates: Vec<(u32, FaceCode, Fate)> = Vec::new();
+    for (piece, &fate) in work.adapted.sources.iter().zip(&work.remains.fates) {
+        match fates.last_mut() {
+            Some(last) if (last.0, last.1) == (piece.level, piece.leaf) => {
+                if last.2 != fate {
+                    last.2 = Fate::Cut;
+                }
+            }
+            _ => fates.push((piece.level, piece.leaf, fate)),
+        }
+    }
+    debug_assert!(fates.iter().all(|&(level, code, _)| work.leaves.is_leaf(level, code)));
+    fates
+}
+
+/// The new number of every vertex of the source, or [`NONE`].
+fn root_names(work: &Work<'_>, parts: &Parts) -> Vec<u32> {
+    let mut of_root = vec![NONE; work.surface.mesh.vertex_count()];
+    for (name, vertex) in parts.vertices.iter().enumerate() {
+        if let Vertex::Lattice(l) = *vertex
+            && let Address::Corner(root) = work.adapted.vertices[l as usize].address
+        {
+            of_root[root.index()] = name as u32;
+        }
+    }
+    of_root
+}
+
+/// The details that still have their place: at root vertices, edges and faces that are here as they
+/// were; and the boundary details of finer vertices on given borders.
+fn details(
+    work: &Work<'_>,
+    parts: &Parts,
+    names: &Names,
+    mesh: &Connectivity,
+    on_sides: Vec<(VertexId, DVec3)>,
+) -> Details {
+    let source = work.surface;
+    let of_root = root_names(work, parts);
+    let mut face_of = vec![NONE; source.mesh.face_count()];
+    for (f, origin) in parts.origins.iter().enumerate() {
+        if let FaceOrigin::Leaf { level: 0, code } = origin {
+            face_of[code.root_face(0).index()] = f as u32;
+        }
+    }
+    let unrefined = |v: VertexId| {
+        let name = of_root[v.index()];
+        name != NONE
+            && matches!(parts.vertices[name as usize], Vertex::Lattice(l) if work.adapted.vertices[l as usize].level == 0)
+    };
+    let moved = |address: Address| match address {
+        Address::Corner(v) => unrefined(v).then(|| Address::Corner(VertexId(of_root[v.index()]))),
+        Address::Edge(e, steps) => {
+            let h = source.mesh.halfedge(e);
+            let here =
+                [Some(h), source.mesh.twin(h)].into_iter().flatten().find(|h| face_of[h.face().index()] != NONE)?;
+            // A kept face has its corners in the order it had, and the order of the vertices is kept.
+            let now = HalfedgeId::of(FaceId(face_of[here.face().index()]), here.corner());
+            Some(Address::Edge(mesh.edge(now), steps))
+        }
+        Address::Face(f, i, j) => (face_of[f.index()] != NONE).then(|| Address::Face(FaceId(face_of[f.index()]), i, j)),
+    };
+    let mut levels: Vec<Vec<(Address, DVec3)>> = source
+        .details
+        .levels
+        .iter()
+        .map(|level| level.iter().filter_map(|&(address, d)| Some((moved(address)?, d))).collect())
+        .collect();
+    let boundary = work.adapted.vertices.iter().zip(&names.lattice);
+    let boundary: Vec<_> = boundary
+        .filter(|(v, name)| **name != NONE && v.level > 0 && v.detail != DVec3::ZERO)
+        .map(|(v, &name)| (Address::Corner(VertexId(name)), v.detail))
+        .collect();
+    if !boundary.is_empty() || !on_sides.is_empty() {
+        if levels.is_empty() {
+            levels.push(Vec::new());
+        }
+        // A vertex of a plain side that is given now has no detail of another kind.
+        levels[0].retain(|d| !on_sides.iter().any(|(v, _)| d.0 == Address::Corner(*v)));
+        levels[0].extend(boundary);
+        levels[0].extend(on_sides.into_iter().map(|(v, d)| (Address::Corner(v), d)));
+    }
+    levels.iter_mut().for_each(|level| level.sort_unstable_by_key(|d| d.0));
+    Details { levels }
+}
+
+/// The vertices whose ring is not the one they had in the source, at the level that the whole cage
+/// was brought to.
+fn changed(work: &Work<'_>, parts: &Parts, mesh: &Connectivity) -> Vec<VertexId> {
+    let source = &work.surface.mesh;
+    let faces_then = |address: Address| match address {
+        Address::Corner(root) => source.ring(root).count(),
+        Address::Edge(e, _) if source.twin(source.halfedge(e)).is_none() => 3,
+        Address::Edge(..) | Address::Face(..) => 6,
+    };
+    let is_whole =
+        |h: HalfedgeId| matches!(parts.origins[h.face().index()], FaceOrigin::Leaf { level, .. } if level == work.base);
+    let same = |v: VertexId| {
+        let Vertex::Lattice(l) = parts.vertices[v.index()] else { return false };
+        let then = faces_then(work.adapted.vertices[l as usize].address);
+        mesh.ring(v).all(is_whole) && mesh.ring(v).count() == then
+    };
+    (0..mesh.vertex_count()).map(VertexId::new).filter(|&v| !same(v)).collect()
+}

@@ -1,0 +1,211 @@
+//! Why a surface could not be remeshed: what, where and by how much.
+
+use glam::DVec3;
+use selvedge_components::curve::ParameterError;
+use selvedge_components::evaluate::SurfacePoint;
+use selvedge_components::mesh::{Fault, VertexId};
+use thiserror::Error;
+
+use selvedge_components::target::TargetError;
+
+/// A curve has no usable pre-image on the surface.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PreImageError {
+    /// The curve gave no finite point.
+    #[error("the curve is not finite at u = {u}: {at}")]
+    NotFinite {
+        /// The parameter.
+        u: f64,
+        /// What the curve gave.
+        at: DVec3,
+    },
+    /// The surface gave no closest point.
+    #[error("no closest point at u = {u}: {source}")]
+    Target {
+        /// The parameter.
+        u: f64,
+        /// Why.
+        source: TargetError,
+    },
+    /// The closest point came without a place on the surface.
+    #[error("the surface gave no place for the curve at u = {u}")]
+    NoPlace {
+        /// The parameter.
+        u: f64,
+    },
+    /// The curve lies farther off the surface than is allowed.
+    #[error("the curve lies {distance} off the surface at u = {u}, {at}: more than {limit}")]
+    TooFarOff {
+        /// The parameter where it is farthest, of those that were looked at.
+        u: f64,
+        /// The curve's point.
+        at: DVec3,
+        /// Its distance from the surface, in model units.
+        distance: f64,
+        /// The greatest that is allowed.
+        limit: f64,
+    },
+    /// The curve runs off the surface across a border.
+    #[error("the curve leaves the surface across a border at u = {u}, {at}: it is {distance} off there")]
+    LeavesSurface {
+        /// A parameter outside.
+        u: f64,
+        /// The curve's point.
+        at: DVec3,
+        /// Its distance from the surface, in model units.
+        distance: f64,
+    },
+    /// Neighbouring points of the curve are closest to places that do not meet.
+    #[error("the place of the curve on the surface is ambiguous near u = {u}, {at}: it jumps from face {} to face {}", .places[0].face, .places[1].face)]
+    Ambiguous {
+        /// The parameter.
+        u: f64,
+        /// The curve's point.
+        at: DVec3,
+        /// The places on both sides of the jump.
+        places: [SurfacePoint; 2],
+    },
+    /// The curve has no length.
+    #[error("the curve has no length: all of it lies within {length} of {at}")]
+    NoLength {
+        /// A point of it.
+        at: DVec3,
+        /// The length found.
+        length: f64,
+    },
+    /// The pre-image crosses itself or another one.
+    #[error("the pre-images cross at {at}: u = {} of curve {} and u = {} of curve {}", .u[0], .curves[0], .u[1], .curves[1])]
+    Crossing {
+        /// The two curves, by index; the same one twice if it crosses itself.
+        curves: [usize; 2],
+        /// Their parameters.
+        u: [f64; 2],
+        /// The point of the first curve.
+        at: DVec3,
+    },
+    /// A given pre-image does not run along the curve, or skips over faces.
+    #[error("the given pre-image is not usable at point {index}: {reason}")]
+    BadGiven {
+        /// The point of the pre-image.
+        index: usize,
+        /// What is wrong.
+        reason: &'static str,
+    },
+}
+
+/// A cut could not be made.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RemeshError {
+    /// A curve has no usable pre-image.
+    #[error("curve {curve}: {source}")]
+    PreImage {
+        /// The curve, by index.
+        curve: usize,
+        /// Why.
+        source: PreImageError,
+    },
+    /// There is nothing to cut with.
+    #[error("there is no curve to cut with")]
+    NoCurves,
+    /// The curve is open where it must be closed.
+    #[error("curve {curve} is open: its ends lie {gap} apart")]
+    Open {
+        /// The curve, by index.
+        curve: usize,
+        /// The distance of its ends, in model units.
+        gap: f64,
+    },
+    /// Both sides of the curves are the same part of the surface.
+    #[error("curve {curve} does not separate the surface: the part at {at} lies on both of its sides")]
+    DoesNotSeparate {
+        /// A curve that has the part on both sides, by index.
+        curve: usize,
+        /// A point of the part.
+        at: DVec3,
+    },
+    /// Nothing is left.
+    #[error("nothing is left of the surface: no part lies on the left of all curves")]
+    NothingLeft,
+    /// The cage would have to be finer than faces can be addressed, or than was allowed.
+    #[error("the cage would have to be finer than level {limit} at {at} (curve {curve}, u = {u})")]
+    TooFine {
+        /// The finest level.
+        limit: u32,
+        /// The curve that asks for it, by index.
+        curve: usize,
+        /// Where on it.
+        u: f64,
+        /// The point.
+        at: DVec3,
+    },
+    /// The cage would have more faces than it may.
+    #[error("the cage would have {faces} faces at level {level}, more than the {limit} allowed")]
+    TooManyFaces {
+        /// The level at which it passes the limit.
+        level: u32,
+        /// How many faces it would have.
+        faces: usize,
+        /// How many it may have.
+        limit: usize,
+    },
+    /// What lies on the left of a curve is taken away by another.
+    #[error("nothing stays on the left of curve {curve}: the part at {at} lies on the right of another curve")]
+    NothingOnLeft {
+        /// The curve, by index.
+        curve: usize,
+        /// A point of the part on its left.
+        at: DVec3,
+    },
+    /// Two boundaries come too near to each other, or to a border, to be told apart at the finest
+    /// level tried.
+    #[error("the cage at {at} (curve {curve}, u = {u}) is still {what} after {tries} tries, the last at level {level}")]
+    Unresolved {
+        /// What is wrong there.
+        what: &'static str,
+        /// The curve, by index.
+        curve: usize,
+        /// Where on it.
+        u: f64,
+        /// The point.
+        at: DVec3,
+        /// How often it was refined.
+        tries: u32,
+        /// The finest level tried.
+        level: u32,
+    },
+    /// The change cannot be kept within the distance asked for.
+    #[error("the cage changes up to {distance} from the curves, at {at}, where only {reach} is allowed")]
+    OutOfReach {
+        /// How far the change goes, in model units.
+        distance: f64,
+        /// Where.
+        at: DVec3,
+        /// How far it may go.
+        reach: f64,
+    },
+    /// A vertex of the source is not finite.
+    #[error("the source is not finite at {vertex}: {at}")]
+    NotFinite {
+        /// The vertex.
+        vertex: VertexId,
+        /// Its limit point.
+        at: DVec3,
+    },
+    /// The parameters found along a curve, or along a side of the source that was refined, make no
+    /// sound list: the curve turns too fast for the cage, or has a corner that its pre-image missed.
+    #[error("the parameters along curve or side {curve} are not sound: {source}")]
+    Parameters {
+        /// The curve, or the source's side, by index.
+        curve: usize,
+        /// Why.
+        source: ParameterError,
+    },
+    /// The new cage is no manifold: a defect of this engine, never passed on as a mesh.
+    #[error("the new cage is not a manifold: {}", .faults.first().map_or_else(String::new, ToString::to_string))]
+    NotManifold {
+        /// Everything that is wrong with it.
+        faults: Vec<Fault>,
+    },
+}

@@ -1,0 +1,488 @@
+//! The sides of the new surface: those of the source that are left, and those along the cuts.
+//!
+//! A plain side some of whose edges are split, or that a curve cuts, is no uniform B-spline of its
+//! new control points. It becomes a given one: the curve is the border that it had, so its shape
+//! stays, and the boundary details make the effective points what they were. A straight one may
+//! stay plain: any control points on a line have that line.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use selvedge_components::curve::{Curve, CurveParameters, Extent, Heading, wrap};
+use selvedge_components::evaluate::SurfacePoint;
+use selvedge_components::mesh::{Connectivity, EdgeId, HalfedgeId, VertexId};
+use selvedge_components::subdivision::{Address, Border, Ends, LoopSurface, Side};
+
+use super::Work;
+use super::assemble::{Parts, Vertex, knot_parameter};
+use super::attach::KnotKind;
+use super::error::RemeshError;
+use super::remove::{Place as CurvePlace, Trouble};
+
+/// The sides, and what follows from them.
+#[derive(Debug, Default)]
+pub(super) struct Sides {
+    /// Those of the source first, in its order.
+    pub sides: Vec<Side>,
+    /// Boundary details of level 0 on plain sides that are given now.
+    pub details: Vec<(VertexId, DVec3)>,
+    /// Vertices of sides whose rule changed.
+    pub touched: Vec<VertexId>,
+}
+
+/// What a border edge belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Owner {
+    /// A side of the source.
+    Source(u32),
+    /// A strip.
+    Strip(u32),
+}
+
+/// A stretch of border between two corners, or all of a loop.
+struct Run {
+    owner: Owner,
+    vertices: Vec<VertexId>,
+    ends: Ends,
+}
+
+/// Finds the sides of `mesh`.
+///
+/// # Errors
+/// The places at which a curve ends on a border but the rest begins beyond a corner of it.
+pub(super) fn sides(work: &Work<'_>, parts: &Parts, mesh: &Connectivity) -> Result<Sides, Trouble> {
+    let borders = Borders::new(work.surface);
+    let mut runs = Vec::new();
+    for border in mesh.border_loops() {
+        check_ends(work, parts, &borders, &border)?;
+        split(work, parts, &borders, &border, &mut runs);
+    }
+    runs.sort_by(|a, b| a.owner.cmp(&b.owner).then(a.vertices[0].cmp(&b.vertices[0])));
+    let mut out = Sides::default();
+    for run in runs {
+        match run.owner {
+            Owner::Strip(s) => out.sides.push(cut_side(work, parts, s, run)),
+            Owner::Source(s) => source_side(work, parts, &borders, s as usize, run, &mut out)?,
+        }
+    }
+    Ok(out)
+}
+
+/// Between the end of a curve and the next border vertex that is left there is no corner, and they
+/// follow each other as the side goes.
+fn check_ends(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, border: &[VertexId]) -> Result<(), Trouble> {
+    let next = border.iter().cycle().skip(1);
+    for (&a, &b) in border.iter().zip(next) {
+        let (strip, knot, l, leaving) = match (parts.vertices[a.index()], parts.vertices[b.index()]) {
+            (Vertex::Knot(s, k), Vertex::Lattice(l)) => (s, k, l, false),
+            (Vertex::Lattice(l), Vertex::Knot(s, k)) => (s, k, l, true),
+            _ => continue,
+        };
+        let strip = &work.strips[strip as usize];
+        let near = work.track.place_of_parameter(strip.cut, strip.knots[knot as usize].t);
+        let end = borders.place(work.track.source(near));
+        let vertex = &work.adapted.vertices[l as usize];
+        let own = borders.edge(vertex.address, leaving).and_then(|e| {
+            let (side, step) = borders.of_edge[e.index()]?;
+            let within = match vertex.address {
+                Address::Edge(e, steps) => borders.within(e, steps, vertex.birth),
+                _ => f64::from(u8::from(!leaving)),
+            };
+            Some((side, f64::from(step) + within))
+        });
+        let follows = match (end, own) {
+            (Some((s, x)), Some((t, y))) if s == t => {
+                let round = work.surface.sides[s as usize].edge_count() as f64;
+                let apart = if leaving { x - y } else { y - x };
+                let closed = work.surface.sides[s as usize].ends == Ends::Closed;
+                let apart = if closed { apart.rem_euclid(round) } else { apart };
+                // Beyond half a closed side it lies before, not after.
+                apart > 0.0 && (!closed || apart < 0.5 * round)
+            }
+            _ => false,
+        };
+        if !follows {
+            let size = parts.limit[a.index()].distance(parts.limit[b.index()]);
+            let places = vec![CurvePlace { near, level: vertex.level, size }];
+            return Err(Trouble::TooCoarse {
+                what: "too coarse between a curve's end and a corner of the border",
+                places,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Where the border edges of the source lie on its sides.
+struct Borders<'a> {
+    surface: &'a LoopSurface,
+    /// By edge: the side and the step.
+    of_edge: Vec<Option<(u32, u32)>>,
+}
+
+impl<'a> Borders<'a> {
+    fn new(surface: &'a LoopSurface) -> Self {
+        let mesh = &surface.mesh;
+        let mut of_edge = vec![None; mesh.edge_count()];
+        for (s, side) in surface.sides.iter().enumerate() {
+            for (step, &v) in side.vertices[..side.edge_count()].iter().enumerate() {
+                of_edge[mesh.edge(mesh.outgoing(v)).index()] = Some((s as u32, step as u32));
+            }
+        }
+        Self { surface, of_edge }
+    }
+
+    /// The border edge that leaves or reaches the vertex at `address`.
+    fn edge(&self, address: Address, leaving: bool) -> Option<EdgeId> {
+        let mesh = &self.surface.mesh;
+        match address {
+            Address::Edge(e, _) => Some(e),
+            Address::Corner(v) if leaving => Some(mesh.edge(mesh.outgoing(v))),
+            Address::Corner(v) => mesh.ring(v).last().map(|h| mesh.edge(h.previous())),
+            Address::Face(..) => None,
+        }
+    }
+
+    /// How far along its edge a vertex of level `birth` is, in the direction of the side.
+    fn within(&self, e: EdgeId, steps: u32, birth: u32) -> f64 {
+        let mesh = &self.surface.mesh;
+        let h = mesh.halfedge(e);
+        let share = f64::from(steps) / f64::from(1_u32 << birth);
+        if mesh.from(h) < mesh.to(h) { share } else { 1.0 - share }
+    }
+
+    /// The side and the place on it of a point on the border.
+    fn place(&self, at: SurfacePoint) -> Option<(u32, f64)> {
+        let mesh = &self.surface.mesh;
+        let weights = [1.0 - at.st.x - at.st.y, at.st.x, at.st.y];
+        let on_border = |i: &usize| mesh.twin(HalfedgeId::of(at.face, *i)).is_none();
+        let off = |i: usize| weights[(i + 2) % 3].abs();
+        let i = (0..3).filter(on_border).min_by(|&a, &b| off(a).total_cmp(&off(b)))?;
+        let (side, step) = self.of_edge[mesh.edge(HalfedgeId::of(at.face, i)).index()]?;
+        Some((side, f64::from(step) + weights[(i + 1) % 3].clamp(0.0, 1.0)))
+    }
+}
+
+/// Cuts one border loop into runs.
+fn split(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, border: &[VertexId], runs: &mut Vec<Run>) {
+    let n = border.len();
+    let owner = |i: usize| {
+        let (a, b) = (parts.vertices[border[i].index()], parts.vertices[border[(i + 1) % n].index()]);
+        let of = |l: u32, leaving| {
+            let edge = borders.edge(work.adapted.vertices[l as usize].address, leaving);
+            Owner::Source(edge.and_then(|e| borders.of_edge[e.index()]).map_or(0, |p| p.0))
+        };
+        match (a, b) {
+            (Vertex::Knot(s, _), Vertex::Knot(..)) => Owner::Strip(s),
+            (Vertex::Lattice(l), _) => of(l, true),
+            (Vertex::Knot(..), Vertex::Lattice(l)) => of(l, false),
+        }
+    };
+    let is_corner = |i: usize| match parts.vertices[border[i].index()] {
+        Vertex::Knot(s, k) => work.strips[s as usize].knots[k as usize].kind != KnotKind::Smooth,
+        Vertex::Lattice(l) => match work.adapted.vertices[l as usize].address {
+            Address::Corner(v) => work.surface.sides.iter().any(|s| s.ends == Ends::Corners && s.vertices[0] == v),
+            _ => false,
+        },
+    };
+    let begins: Vec<usize> = (0..n).filter(|&i| is_corner(i) || owner(i) != owner((i + n - 1) % n)).collect();
+    if begins.is_empty() {
+        // A closed side keeps the vertex that it began with.
+        let first = match owner(0) {
+            Owner::Source(s) => {
+                let wanted = Address::Corner(work.surface.sides[s as usize].vertices[0]);
+                let is_first = |v: &VertexId| matches!(parts.vertices[v.index()], Vertex::Lattice(l) if work.adapted.vertices[l as usize].address == wanted);
+                border.iter().position(is_first).unwrap_or(0)
+            }
+            Owner::Strip(_) => 0,
+        };
+        let vertices = (0..n).map(|i| border[(first + i) % n]).collect();
+        runs.push(Run { owner: owner(0), vertices, ends: Ends::Closed });
+        return;
+    }
+    for (k, &from) in begins.iter().enumerate() {
+        let to = begins.get(k + 1).map_or(begins[0] + n, |&to| to);
+        let vertices = (from..=to).map(|i| border[i % n]).collect();
+        runs.push(Run { owner: owner(from), vertices, ends: Ends::Corners });
+    }
+}
+
+/// A side along a cut. All sides of one cut share its parameters.
+fn cut_side(work: &Work<'_>, parts: &Parts, s: u32, run: Run) -> Side {
+    let strip = &work.strips[s as usize];
+    let cut = &work.cuts[strip.cut as usize];
+    let index = match parts.vertices[run.vertices[0].index()] {
+        Vertex::Knot(_, k) => work.parameters[s as usize].1[k as usize],
+        Vertex::Lattice(_) => 0,
+    };
+    let border =
+        Border::Given { curve: Arc::clone(&work.parameters[s as usize].0), first: index, heading: cut.heading };
+    Side { vertices: run.vertices, ends: run.ends, border }
+}
+
+/// The parameters of a strip's knots, which its sides share, and the index of each knot in them.
+pub(super) fn strip_parameters(work: &Work<'_>, s: u32) -> Result<(Arc<CurveParameters>, Vec<u64>), Trouble> {
+    let strip = &work.strips[s as usize];
+    let cut = &work.cuts[strip.cut as usize];
+    let n = strip.knots.len();
+    let closed = work.track.tracks[strip.cut as usize].closed;
+    let mut order: Vec<usize> = (0..n).collect();
+    let u: Vec<f64> = if closed {
+        let u: Vec<f64> = (0..n).map(|k| knot_parameter(work, s, k as u32)).collect();
+        order.sort_by(|&a, &b| u[a].total_cmp(&u[b]));
+        order.iter().map(|&k| u[k]).collect()
+    } else {
+        // Unwrapped: a piece of a closed curve may run over its end.
+        if cut.heading == Heading::Against {
+            order.reverse();
+        }
+        order.iter().map(|&k| knot_parameter(work, s, k as u32)).collect()
+    };
+    let mut index = vec![0; n];
+    order.iter().enumerate().for_each(|(i, &k)| index[k] = i as u64);
+    let is_corner = |&i: &usize| strip.knots[order[i]].kind != KnotKind::Smooth;
+    let corners: Vec<usize> = (0..n).filter(is_corner).collect();
+    Ok((parameters(&cut.curve, u, closed, &corners, strip.cut as usize)?, index))
+}
+
+/// The parameters as the curve owns them: `u` rises in the curve's direction, and may be unwrapped.
+fn parameters(
+    curve: &Arc<dyn Curve>,
+    u: Vec<f64>,
+    closed: bool,
+    corners: &[usize],
+    cut: usize,
+) -> Result<Arc<CurveParameters>, Trouble> {
+    let u = if curve.closed() { u.into_iter().map(wrap).collect() } else { u };
+    let extent = if closed { Extent::Closed } else { Extent::Open };
+    let made = CurveParameters::new(Arc::clone(curve), extent, u, corners);
+    made.map(Arc::new).map_err(|source| Trouble::Error(RemeshError::Parameters { curve: cut, source }))
+}
+
+/// A place on a side of the source.
+#[derive(Clone, Copy)]
+struct Place {
+    /// In root edges from the side's first vertex.
+    x: f64,
+    /// The level whose control point the vertex has; `None` where a curve ends on the side.
+    level: Option<u32>,
+}
+
+/// What is left of a side of the source.
+fn source_side(
+    work: &Work<'_>,
+    parts: &Parts,
+    borders: &Borders<'_>,
+    s: usize,
+    run: Run,
+    out: &mut Sides,
+) -> Result<(), Trouble> {
+    let side = &work.surface.sides[s];
+    let whole = side.edge_count() as f64;
+    let mut places: Vec<Place> = Vec::with_capacity(run.vertices.len());
+    for (i, v) in run.vertices.iter().enumerate() {
+        let mut place = place_of(work, parts, borders, *v, i + 1 == run.vertices.len());
+        // Round a closed side, or to the far end of an open one.
+        while places.last().is_some_and(|last| place.x <= last.x) && place.x <= 2.0 * whole {
+            place.x += whole;
+        }
+        places.push(place);
+    }
+    let untouched = run.ends == side.ends
+        && run.vertices.len() == side.vertices.len()
+        && places.iter().enumerate().all(|(i, p)| p.x == i as f64 && p.level == Some(0));
+    if untouched {
+        out.sides.push(Side { vertices: run.vertices, ..side.clone() });
+        return Ok(());
+    }
+    // A side that is refined as a whole is the same spline.
+    let step = 1.0 / f64::from(1_u32 << work.base);
+    let uniform = run.ends == side.ends
+        && places.iter().enumerate().all(|(i, p)| p.x == i as f64 * step && p.level == Some(work.base));
+    let border = match &side.border {
+        Border::Plain if uniform || is_straight(work.surface, side) => Border::Plain,
+        Border::Plain => {
+            out.touched.extend(&run.vertices);
+            let curve: Arc<dyn Curve> = Arc::new(PlainBorder::new(work.surface, side));
+            let u = places.iter().map(|p| p.x / whole).collect();
+            given(&curve, u, Heading::Along, run.ends, s)?
+        }
+        Border::Given { curve, heading, .. } => {
+            let u = places.iter().enumerate().map(|(i, p)| {
+                let near = given_parameter(side, curve, p);
+                // Where a cut ends on the side, its point is nearest to a place between samples.
+                let at = parts.limit[run.vertices[i].index()];
+                if p.level.is_some() { near } else { closest_parameter(&**curve.curve(), near, at) }
+            });
+            given(curve.curve(), u.collect(), *heading, run.ends, s)?
+        }
+    };
+    let side_now = Side { vertices: run.vertices, ends: run.ends, border };
+    if let (Border::Plain, Border::Given { curve, .. }) = (&side.border, &side_now.border) {
+        for (i, &v) in side_now.vertices.iter().enumerate() {
+            if let (Vertex::Lattice(l), Some(index)) = (parts.vertices[v.index()], side_now.curve_index(0, i as u64)) {
+                let d = curve.sample(0, index) - work.adapted.vertices[l as usize].point;
+                out.details.push((v, d));
+            }
+        }
+    }
+    out.sides.push(side_now);
+    Ok(())
+}
+
+fn place_of(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, v: VertexId, last: bool) -> Place {
+    match parts.vertices[v.index()] {
+        Vertex::Lattice(l) => {
+            let vertex = &work.adapted.vertices[l as usize];
+            let level = Some(vertex.level);
+            let step = |e: EdgeId| borders.of_edge[e.index()].map_or(0.0, |p| f64::from(p.1));
+            let x = match vertex.address {
+                Address::Edge(e, steps) => step(e) + borders.within(e, steps, vertex.birth),
+                // Of the two edges at a vertex, the one of this side.
+                address => borders.edge(address, !last).map_or(0.0, |e| step(e) + f64::from(u8::from(last))),
+            };
+            Place { x, level }
+        }
+        Vertex::Knot(s, k) => {
+            let strip = &work.strips[s as usize];
+            let near = work.track.place_of_parameter(strip.cut, strip.knots[k as usize].t);
+            Place { x: borders.place(work.track.source(near)).map_or(0.0, |p| p.1), level: None }
+        }
+    }
+}
+
+/// The parameter that a given side's own hierarchy has at a place, unwrapped along the curve.
+fn given_parameter(side: &Side, curve: &CurveParameters, place: &Place) -> f64 {
+    // A place between vertices is looked up on a level so fine that the next one is as good.
+    let level = place.level.unwrap_or(BETWEEN);
+    let steps = (place.x * (1_u64 << level) as f64).round() as u64;
+    side.curve_index(level, steps).map_or(0.0, |index| {
+        if place.level.is_some() { curve.coefficient(level, index) } else { curve.parameter(level, index) }
+    })
+}
+
+/// The level on which places between vertices are looked up, to begin the search for the nearest.
+const BETWEEN: u32 = 6;
+
+/// The parameter near `u` at which `curve` is nearest to `x`: Newton on the derivative of the
+/// distance, without the curve's own bend, which hardly counts where the distance is small.
+fn closest_parameter(curve: &dyn Curve, mut u: f64, x: DVec3) -> f64 {
+    for _ in 0..20 {
+        let (off, along) = (x - curve.position(u), curve.derivative(u));
+        let step = off.dot(along) / along.length_squared();
+        if !step.is_finite() || step == 0.0 {
+            break;
+        }
+        u += step;
+    }
+    u
+}
+
+/// A given border through these parameters, in the order of the side's vertices.
+fn given(
+    curve: &Arc<dyn Curve>,
+    mut u: Vec<f64>,
+    heading: Heading,
+    ends: Ends,
+    side: usize,
+) -> Result<Border, Trouble> {
+    if heading == Heading::Against {
+        u.reverse();
+    }
+    // Unwrapped along the curve.
+    for i in 1..u.len() {
+        while curve.closed() && u[i] <= u[i - 1] {
+            u[i] += 1.0;
+        }
+    }
+    let count = u.len();
+    let mut first = if heading == Heading::Along { 0 } else { count - 1 };
+    if ends == Ends::Closed {
+        u.iter_mut().for_each(|u| *u -= u.floor());
+        let smallest = (0..count).min_by(|&a, &b| u[a].total_cmp(&u[b])).unwrap_or(0);
+        u.rotate_left(smallest);
+        first = (first + count - smallest) % count;
+    }
+    let curve = parameters(curve, u, ends == Ends::Closed, &[], side)?;
+    Ok(Border::Given { curve, first: first as u64, heading })
+}
+
+/// Do all control points of a plain side lie on one line, in order along it?
+fn is_straight(surface: &LoopSurface, side: &Side) -> bool {
+    if side.ends == Ends::Closed {
+        return false;
+    }
+    let points: Vec<DVec3> = side.vertices.iter().map(|&v| effective(surface, v)).collect();
+    let (a, b) = (points[0], points[points.len() - 1]);
+    let way = (b - a).normalize_or_zero();
+    let size = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    // What rounding of the coordinates alone does.
+    let slack = 8.0 * f64::EPSILON * size;
+    points.windows(2).all(|p| (p[1] - p[0]).dot(way) > 0.0)
+        && points.iter().all(|&p| (p - a - way * (p - a).dot(way)).length() <= slack)
+}
+
+fn effective(surface: &LoopSurface, v: VertexId) -> DVec3 {
+    surface.points[v.index()] + surface.details.at(0, Address::Corner(v))
+}
+
+/// The border that a plain side has: a uniform cubic B-spline; at a corner it ends in the control
+/// point there, as if the next one beyond were the mirror image of the one before.
+#[derive(Debug)]
+struct PlainBorder {
+    points: Vec<DVec3>,
+    ends: Ends,
+}
+
+impl PlainBorder {
+    fn new(surface: &LoopSurface, side: &Side) -> Self {
+        Self { points: side.vertices.iter().map(|&v| effective(surface, v)).collect(), ends: side.ends }
+    }
+
+    fn control(&self, i: i64) -> DVec3 {
+        let n = self.points.len() as i64;
+        let at = |i: i64| self.points[i as usize];
+        match self.ends {
+            Ends::Closed => at(i.rem_euclid(n)),
+            Ends::Corners if i < 0 => 2.0 * at(0) - at(1),
+            Ends::Corners if i >= n => 2.0 * at(n - 1) - at(n - 2),
+            Ends::Corners => at(i),
+        }
+    }
+
+    fn spans(&self) -> usize {
+        self.points.len() - usize::from(self.ends == Ends::Corners)
+    }
+
+    /// The first control point that counts at `u`, and how far beyond its successor `u` is.
+    fn span(&self, u: f64) -> (i64, f64) {
+        let n = self.spans() as f64;
+        let x = match self.ends {
+            Ends::Closed => (u - u.floor()) * n,
+            Ends::Corners => u.clamp(0.0, 1.0) * n,
+        };
+        let i = x.floor().min(n - 1.0);
+        (i as i64 - 1, x - i)
+    }
+}
+
+impl Curve for PlainBorder {
+    fn position(&self, u: f64) -> DVec3 {
+        let (i, t) = self.span(u);
+        let (s, t2) = (1.0 - t, t * t);
+        let weights = [s * s * s, 4.0 + t2 * (3.0 * t - 6.0), 1.0 + 3.0 * t * (1.0 + t * s), t2 * t].map(|w| w / 6.0);
+        (i..).zip(weights).fold(DVec3::ZERO, |sum, (i, w)| sum + w * self.control(i))
+    }
+
+    fn derivative(&self, u: f64) -> DVec3 {
+        let (i, t) = self.span(u);
+        let s = 1.0 - t;
+        let weights = [-s * s, t * (3.0 * t - 4.0), 1.0 + t * (2.0 - 3.0 * t), t * t].map(|w| 0.5 * w);
+        let sum = (i..).zip(weights).fold(DVec3::ZERO, |sum, (i, w)| sum + w * self.control(i));
+        sum * self.spans() as f64
+    }
+
+    fn closed(&self) -> bool {
+        self.ends == Ends::Closed
+    }
+}

@@ -1,0 +1,12 @@
+//! What a remeshed cage must be, over many surfaces and curves.
+
+#![allow(clippy::print_stdout, reason = "the tables are for reading")]
+
+mod borders;
+mod bores;
+mod closed;
+mod draw;
+mod judge;
+mod refusals;
+mod shapes;
+mod support;
