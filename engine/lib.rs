@@ -50,3 +50,8 @@ pub use selvedge_components::{
     triangles, triangulation,
 };
 pub use selvedge_systems::{diagnostics, schedule};
+
+/// The program in the README is a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
