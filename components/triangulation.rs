@@ -68,10 +68,10 @@ pub struct TriangulationReport {
 pub struct ChordReport {
     /// What was asked for, in model units.
     pub asked: f64,
-    /// The greatest distance found between the finished triangles and points of the limit surface,
-    /// other ones than those that decided where to refine.
+    /// The greatest distance found between the finished triangles and the limit surface, both ways, at
+    /// other points than those that decided where to refine.
     pub achieved: f64,
-    /// The point of the limit surface where it was found.
+    /// The point, of the limit surface or of a triangle, where it was found.
     pub at: DVec3,
     /// How many points were measured.
     pub samples: usize,

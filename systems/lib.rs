@@ -7,6 +7,7 @@
 //! | [`subdivision`] | the stages of subdivision surfaces |
 //! | [`spatial`], [`closest`] | what is near; closest points of surfaces |
 //! | [`triangulate`], [`audit`] | triangles out, and measured anew |
+//! | [`foot`] | points of a surface below points near it |
 //! | [`target`] | what a surface is fitted to |
 //! | [`diagnostics`] | what each stage did, and how long it took |
 //! | [`parallel`] | work on many items at once, with the same bits |
@@ -19,6 +20,7 @@ pub mod check;
 pub mod closest;
 pub mod diagnostics;
 pub mod enroll;
+pub mod foot;
 pub mod gather;
 pub mod parallel;
 pub mod schedule;

@@ -323,3 +323,31 @@ fn what_cannot_be_done_is_refused() {
     broken.details.levels = vec![Vec::new(), vec![(Address::Corner(VertexId(9999)), DVec3::ONE)]];
     assert!(triangulate(&broken, &TriangulateOptions::default()).is_ok(), "a detail that is nowhere moves nothing");
 }
+#[test]
+fn probe() {
+    for (name, surface, size) in surfaces() {
+        if !name.contains("details") {
+            continue;
+        }
+        let limit = limit(&surface);
+        for k in 1..6 {
+            let chord = 0.1 * size * 0.35_f64.powi(k);
+            let done = to_chord(&surface, chord);
+            let found = done.report.chord.unwrap();
+            for points in [24, 100] {
+                let against = Audit { points, seed: 7, ..Audit::of(&surface).within(&*limit, chord) };
+                let report = audit(&done.triangles, &against);
+                let m = report.measured.unwrap();
+                println!(
+                    "{name} {chord:.3e} {} {:?} achieved {:.3e} tri {:.3e} surf {:.3e} faults {}",
+                    done.triangles.triangles.len(),
+                    done.report.leaves,
+                    found.achieved,
+                    m.to_triangles,
+                    m.to_surface,
+                    report.faults.len()
+                );
+            }
+        }
+    }
+}

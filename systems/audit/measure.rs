@@ -7,6 +7,7 @@ use selvedge_components::triangles::Triangles;
 
 use super::domain::Place;
 use super::{Audit, AuditFault, Measured};
+use crate::foot;
 use crate::parallel::map_in_order;
 use crate::triangulate::{squared_to_segment, squared_to_triangle};
 
@@ -112,62 +113,10 @@ impl Probe<'_> {
         Measured {
             to_triangles: squared.sqrt(),
             to_triangles_at: x,
-            to_surface: approach(self.limit, &against.surface.mesh, at, y),
+            to_surface: foot::distance(self.limit, &against.surface.mesh, at, y, 0.0),
             to_surface_at: y,
             samples: 2,
         }
-    }
-}
-
-/// The distance of `y` to the surface near `start`, from above: the least that Gauss-Newton steps
-/// meet. They walk over the edges of root faces, a few times; a dozen in all is far more than it takes
-/// from a start as close as the triangle is, where each step squares the relative error.
-fn approach(limit: &dyn Evaluate, mesh: &Connectivity, start: SurfacePoint, y: DVec3) -> f64 {
-    let mut at = start;
-    let mut least = f64::INFINITY;
-    let mut misses = 0;
-    for _ in 0..12 {
-        let jet = limit.jet(at);
-        let off = jet.position - y;
-        let distance = off.length();
-        if distance.is_nan() {
-            return distance;
-        }
-        // Over an edge the first step is none: the same point on another face.
-        misses = if distance < least { 0 } else { misses + 1 };
-        if misses > 1 {
-            break;
-        }
-        least = least.min(distance);
-        let (ss, st, tt) = (jet.ds.dot(jet.ds), jet.ds.dot(jet.dt), jet.dt.dot(jet.dt));
-        let (s, t) = (jet.ds.dot(off), jet.dt.dot(off));
-        let determinant = ss * tt - st * st;
-        if determinant <= 0.0 {
-            break;
-        }
-        at = step(mesh, at, (st * t - tt * s) / determinant, (st * s - ss * t) / determinant);
-    }
-    least
-}
-
-/// The place reached by a step: where it leaves its face, on the neighbour across; at a border, at the
-/// border.
-fn step(mesh: &Connectivity, at: SurfacePoint, ds: f64, dt: f64) -> SurfacePoint {
-    let (s, t) = (at.st.x + ds, at.st.y + dt);
-    let weights = [1.0 - s - t, s, t];
-    let kept = weights.map(|w| w.max(0.0));
-    let kept = kept.map(|w| w / (kept[0] + kept[1] + kept[2]));
-    let out = (0..3).filter(|&c| weights[c] < 0.0).min_by(|&a, &b| weights[a].total_cmp(&weights[b]));
-    let Some(out) = out else { return SurfacePoint::new(at.face, s, t) };
-    let leaving = HalfedgeId::of(at.face, (out + 1) % 3);
-    match mesh.twin(leaving) {
-        Some(twin) => {
-            let mut across = [0.0; 3];
-            across[(twin.corner() + 1) % 3] = kept[leaving.corner()];
-            across[twin.corner()] = kept[leaving.next().corner()];
-            SurfacePoint::new(twin.face(), across[1], across[2])
-        }
-        None => SurfacePoint::new(at.face, kept[1], kept[2]),
     }
 }
 

@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use selvedge_components::evaluate::{Evaluate, Jet, SurfacePoint};
-use selvedge_components::mesh::{Connectivity, VertexId};
+use selvedge_components::mesh::VertexId;
 use selvedge_components::subdivision::boxspline::Quartic;
 use selvedge_components::subdivision::{
-    Address, CornerTable, Descent, FaceCode, Kind, LevelMesh, LimitFrame, LoopSurface, NONE, Patch, RingState, Scheme,
+    CornerTable, Descent, FaceCode, Kind, LevelMesh, LimitFrame, LoopSurface, NONE, Patch, RingState, Scheme,
     limit_frame, previous,
 };
 use thiserror::Error;
@@ -261,7 +261,8 @@ fn split_faces(surface: &LoopSurface, corners: &CornerTable) -> Vec<Vec<FaceCode
     for l in (0..split.len()).rev() {
         let level = l as u32 + 1;
         let stored = surface.details.levels.get(level as usize).map_or(&[][..], Vec::as_slice);
-        let at = stored.iter().map(|&(address, _)| face_at(mesh, level, address)).collect();
+        // An address that the level does not have stands for nothing.
+        let at = stored.iter().filter_map(|&(address, _)| Some(region::corner_at(mesh, level, address)?.0)).collect();
         // A detail shapes the faces of two rings around it.
         let around = region::neighbourhood(mesh, level, &region::ascending(at));
         let mut faces = region::neighbourhood(mesh, level, &around);
@@ -272,42 +273,6 @@ fn split_faces(surface: &LoopSurface, corners: &CornerTable) -> Vec<Vec<FaceCode
         finer = split[l].clone();
     }
     split
-}
-
-/// One of the faces of `level` that touch `address`.
-fn face_at(mesh: &Connectivity, level: u32, address: Address) -> FaceCode {
-    let n = 1_u32 << level;
-    let (face, corners) = match address {
-        Address::Corner(v) => {
-            let h = mesh.outgoing(v);
-            (h.face(), [0, 1, 2].map(|c| if c == h.corner() { n } else { 0 }))
-        }
-        Address::Edge(e, steps) => {
-            let h = mesh.halfedge(e);
-            let towards_end = if mesh.from(h) < mesh.to(h) { steps } else { n.saturating_sub(steps) };
-            let mut weights = [0; 3];
-            weights[h.corner()] = n.saturating_sub(towards_end);
-            weights[h.next().corner()] = towards_end;
-            (h.face(), weights)
-        }
-        Address::Face(f, i, j) => (f, [n.saturating_sub(i).saturating_sub(j), i, j]),
-    };
-    // Down the quarters that hold the point, with whole weights that sum to the level's steps.
-    let mut weights = corners;
-    (0..level).rev().fold(FaceCode::root(face), |code, l| {
-        let half = 1_u32 << l;
-        match weights.iter().position(|&w| w >= half) {
-            Some(c) => {
-                weights[c] -= half;
-                code.child(c)
-            }
-            None => {
-                let [a, b, c] = weights;
-                weights = [half - c, half - a, half - b];
-                code.child(3)
-            }
-        }
-    })
 }
 
 impl KeptLevel {

@@ -1,7 +1,7 @@
 //! Sets of faces of one level, as ascending codes.
 
-use selvedge_components::mesh::Connectivity;
-use selvedge_components::subdivision::FaceCode;
+use selvedge_components::mesh::{Connectivity, HalfedgeId};
+use selvedge_components::subdivision::{Address, FaceCode};
 
 /// All faces of `level`.
 pub fn whole(mesh: &Connectivity, level: u32) -> Vec<FaceCode> {
@@ -65,5 +65,67 @@ pub fn fan(mesh: &Connectivity, level: u32, face: FaceCode, corner: usize, out: 
         }
         out.push(next);
         at = (next, (twin + 1) % 3);
+    }
+}
+
+/// A face of `level` with the vertex at `address`, and which of its corners that is; `None` if the level
+/// has no such vertex.
+pub fn corner_at(mesh: &Connectivity, level: u32, address: Address) -> Option<(FaceCode, usize)> {
+    let n = 1_u32 << level;
+    let along = |h: HalfedgeId, steps: u32| {
+        let mut weights = [0; 3];
+        weights[h.corner()] = n - steps;
+        weights[h.next().corner()] = steps;
+        (h.face(), weights)
+    };
+    let (face, weights) = match address {
+        Address::Corner(v) if v.index() < mesh.vertex_count() => along(mesh.outgoing(v), 0),
+        Address::Edge(e, steps) if e.index() < mesh.edge_count() && (1..n).contains(&steps) => {
+            let h = mesh.halfedge(e);
+            along(h, if mesh.from(h) < mesh.to(h) { steps } else { n - steps })
+        }
+        Address::Face(face, i, j) if face.index() < mesh.face_count() && 0 < i && i < n && 0 < j && j < n - i => {
+            (face, [n - i - j, i, j])
+        }
+        _ => return None,
+    };
+    Some(descend(level, FaceCode::root(face), weights))
+}
+
+/// A face of `level` below the root face `face`, and its corner, that stands where the root's corners
+/// weigh `weights`, which add up to `2^level`.
+fn descend(level: u32, mut face: FaceCode, mut weights: [u32; 3]) -> (FaceCode, usize) {
+    for l in (0..level).rev() {
+        let half = 1_u32 << l;
+        let child = weights.iter().position(|&w| w >= half);
+        match child {
+            Some(corner) => weights[corner] -= half,
+            // The middle child's corner `i` halves edge `i`, across from corner `i + 2`.
+            None => weights = [half - weights[2], half - weights[0], half - weights[1]],
+        }
+        face = face.child(child.unwrap_or(3));
+    }
+    (face, weights.iter().position(|&w| w == 1).unwrap_or(0))
+}
+
+#[cfg(test)]
+mod tests {
+    use selvedge_components::mesh::FaceId;
+
+    use super::*;
+
+    /// Descending to a lattice point ends at a face that has it as the corner named.
+    #[test]
+    fn a_lattice_point_is_the_corner_it_is_found_at() {
+        for level in 0..5 {
+            let n = 1_u32 << level;
+            for i in 0..=n {
+                for j in 0..=n - i {
+                    let (face, corner) = descend(level, FaceCode::root(FaceId(5)), [n - i - j, i, j]);
+                    assert_eq!(face.root_face(level), FaceId(5));
+                    assert_eq!(face.corners(level)[corner], (i, j), "level {level}");
+                }
+            }
+        }
     }
 }

@@ -11,7 +11,7 @@ use super::assemble::{Assembly, assemble};
 use super::forest::Forest;
 use super::measure::{Over, squared_to_triangle};
 use super::pyramid::{Floor, Pyramid};
-use super::sample::{Farthest, Grid, farthest};
+use super::sample::{Farthest, Grid, farthest, farthest_back};
 use super::{ChordReport, Subject, TriangulateError, TriangulateOptions, Triangulation, within_budget};
 
 /// A leaf passes where fifteen points find it closer than this part of the chord.
@@ -31,16 +31,30 @@ pub fn adapt(subject: &Subject, chord: f64, options: &TriangulateOptions) -> Res
     loop {
         grow(subject, &mut forest, new, chord, options)?;
         let assembly = assemble(subject, &forest, options.normals)?;
-        let around = assembly.around();
-        let found = farthest(subject, &assembly.pyramid, Grid::Ninths, |l, place| assembly.near(&around, l, place));
-        let too_far = failing(&assembly.pyramid, &found, chord);
+        within_budget(assembly.triangle_count(), options)?;
+        let found = check(subject, &assembly, chord);
+        let mut too_far = failing(&assembly.pyramid, &found, chord);
         let stuck = too_far.get(options.last_level as usize).map_or(0, Vec::len);
-        let open: Vec<_> = too_far.into_iter().take(options.last_level as usize).collect();
-        if open.iter().all(Vec::is_empty) {
-            return finish(assembly, &found, chord, stuck, options);
+        too_far.truncate(options.last_level as usize);
+        if too_far.iter().all(Vec::is_empty) {
+            return Ok(finish(assembly, &found, chord, stuck));
         }
-        new = forest.split(&subject.surface.mesh, &open);
+        new = forest.split(&subject.surface.mesh, &too_far);
     }
+}
+
+/// Measures the finished triangles both ways: from the surface to them, and from them to the surface.
+fn check(subject: &Subject, assembly: &Assembly, chord: f64) -> Vec<Vec<Farthest>> {
+    let around = assembly.around();
+    let pyramid = &assembly.pyramid;
+    let mut found = farthest(subject, pyramid, Grid::Ninths, |l, place| assembly.near(&around, l, place));
+    // The way back matters where it is farther than the farthest so far, or too far.
+    let most = found.iter().flatten().map(|f| f.squared).fold(0.0, f64::max).sqrt().min(chord);
+    let back = farthest_back(subject, pyramid, most, |l, place| assembly.pieces(l, place));
+    for (there, back) in found.iter_mut().flatten().zip(back.into_iter().flatten()) {
+        *there = there.or(back);
+    }
+    found
 }
 
 /// Quarters leaves until all but those of the last level pass; `new` are the ones not yet looked at.
@@ -93,14 +107,7 @@ fn failing(pyramid: &Pyramid, found: &[Vec<Farthest>], limit: f64) -> Vec<Vec<Fa
     pyramid.floors.iter().zip(found).map(of_level).collect()
 }
 
-fn finish(
-    assembly: Assembly,
-    found: &[Vec<Farthest>],
-    chord: f64,
-    failing: usize,
-    options: &TriangulateOptions,
-) -> Result<Triangulation, TriangulateError> {
-    within_budget(assembly.triangle_count(), options)?;
+fn finish(assembly: Assembly, found: &[Vec<Farthest>], chord: f64, failing: usize) -> Triangulation {
     let farthest = found.iter().flatten().fold(Farthest::default(), |all, &leaf| all.or(leaf));
     let mut done = assembly.finish();
     done.report.chord = Some(ChordReport {
@@ -110,5 +117,5 @@ fn finish(
         samples: farthest.samples,
         failing,
     });
-    Ok(done)
+    done
 }

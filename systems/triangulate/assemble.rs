@@ -1,5 +1,7 @@
 //! A forest becomes triangles: names for the vertices, closures for the leaves.
 
+use core::ops::Range;
+
 use glam::{DVec2, DVec3};
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::{Connectivity, HalfedgeId};
@@ -18,8 +20,27 @@ pub struct Assembly {
     /// The levels under the leaves.
     pub pyramid: Pyramid,
     triangles: Triangles,
-    /// By level and place of a leaf: its first triangle, and the one after its last.
-    spans: Vec<Vec<[u32; 2]>>,
+    /// By level and vertex: its index among the positions.
+    names: Vec<Vec<u32>>,
+    /// By level and place of a leaf.
+    cuts: Vec<Vec<Cut>>,
+}
+
+/// How a leaf was cut.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cut {
+    /// Its first triangle.
+    first: u32,
+    /// The vertices that halve its edges.
+    halves: [Option<u32>; 3],
+}
+
+impl Cut {
+    /// Its triangles: one more for each vertex inside an edge.
+    fn triangles(&self) -> Range<usize> {
+        let first = self.first as usize;
+        first..first + 1 + self.halves.iter().flatten().count()
+    }
 }
 
 /// Builds the triangles of `forest`.
@@ -41,8 +62,8 @@ pub fn assemble(subject: &Subject, forest: &Forest, normals: Normals) -> Result<
     };
     let origins = addresses.iter().map(|&a| origin(&subject.surface.mesh, a)).collect();
     let triangles = Triangles { positions, normals, origins, ..Triangles::default() };
-    let mut assembly = Assembly { pyramid, triangles, spans: Vec::new() };
-    assembly.cut_leaves(forest, &names);
+    let mut assembly = Assembly { pyramid, triangles, names, cuts: Vec::new() };
+    assembly.cut_leaves(forest);
     Ok(assembly)
 }
 
@@ -56,8 +77,7 @@ impl Assembly {
     /// triangles. Near an irregular vertex the surface slides: the foot of a point may lie beyond the
     /// leaf's own triangles, on those around.
     pub fn near<'a>(&'a self, around: &'a Around, level: usize, place: usize) -> impl Fn(DVec3) -> f64 + 'a {
-        let [begin, end] = self.spans[level][place].map(|t| t as usize);
-        let own = &self.triangles.triangles[begin..end];
+        let own = &self.triangles.triangles[self.cuts[level][place].triangles()];
         let corners = |t: [u32; 3]| t.map(|v| self.triangles.positions[v as usize]);
         move |x| {
             let inside = |t: &[u32; 3]| Over::new(x, corners(*t)).filter(Over::inside);
@@ -68,6 +88,32 @@ impl Assembly {
             let distances = neighbours.map(|&t| squared_to_triangle(x, corners(self.triangles.triangles[t as usize])));
             distances.fold(f64::INFINITY, f64::min)
         }
+    }
+
+    /// The triangles of the leaf at `place` of a level: for each corner its position, and its weights
+    /// on the leaf.
+    pub fn pieces(&self, level: usize, place: usize) -> Vec<[(DVec3, [f64; 3]); 3]> {
+        let Cut { halves, .. } = self.cuts[level][place];
+        let corners = self.corners(level, place);
+        let weights = |v: u32| -> [f64; 3] {
+            core::array::from_fn(|c| {
+                let half = halves[c] == Some(v) || halves[(c + 2) % 3] == Some(v);
+                if corners[c] == v {
+                    1.0
+                } else if half {
+                    0.5
+                } else {
+                    0.0
+                }
+            })
+        };
+        let own = &self.triangles.triangles[self.cuts[level][place].triangles()];
+        own.iter().map(|t| t.map(|v| (self.triangles.positions[v as usize], weights(v)))).collect()
+    }
+
+    fn corners(&self, level: usize, place: usize) -> [u32; 3] {
+        let floor = &self.pyramid.floors[level];
+        floor.level.mesh.corners[floor.faces[place] as usize].map(|v| self.names[level][v as usize])
     }
 
     /// The triangles around every vertex.
@@ -88,35 +134,38 @@ impl Assembly {
     }
 
     /// Cuts every leaf into its triangles, in the order of root faces and paths.
-    fn cut_leaves(&mut self, forest: &Forest, names: &[Vec<u32>]) {
-        let finest = self.pyramid.floors.len() as u32;
-        let neighbours: Vec<Finer> =
-            self.pyramid.floors.windows(2).enumerate().map(|(l, f)| Finer::new(l, f, forest)).collect();
-        let mut leaves: Vec<(FaceCode, u32, u32)> = Vec::with_capacity(forest.leaf_count());
-        for (l, floor) in self.pyramid.floors.iter().enumerate() {
-            let down = 2 * (finest - 1 - l as u32);
-            let codes = floor.faces.iter().map(|&f| FaceCode(floor.level.mesh.codes[f as usize].0 << down));
-            leaves.extend(codes.enumerate().map(|(place, code)| (code, l as u32, place as u32)));
-            self.spans.push(vec![[0; 2]; floor.faces.len()]);
+    fn cut_leaves(&mut self, forest: &Forest) {
+        let floors = &self.pyramid.floors;
+        let finer: Vec<Finer> = floors.windows(2).enumerate().map(|(l, pair)| Finer::new(l, pair, forest)).collect();
+        for floor in floors {
+            self.cuts.push(vec![Cut::default(); floor.faces.len()]);
         }
-        leaves.sort_unstable();
-        let Triangles { positions, triangles, faces, .. } = &mut self.triangles;
-        for (code, l, place) in leaves {
-            let (l, place) = (l as usize, place as usize);
-            let floor = &self.pyramid.floors[l];
-            let face = floor.faces[place];
-            let corners = floor.level.mesh.corners[face as usize].map(|v| names[l][v as usize]);
-            let halves = match neighbours.get(l) {
-                Some(finer) => {
-                    [0, 1, 2].map(|e| Some(names[l + 1][finer.half(&self.pyramid.floors, l, 3 * face + e)? as usize]))
-                }
+        for (code, l, place) in self.leaves_in_order(forest) {
+            let corners = self.corners(l, place);
+            let halves = match finer.get(l) {
+                Some(finer) => finer.halves(&self.pyramid.floors, l, self.pyramid.floors[l].faces[place]),
                 None => [None; 3],
             };
-            let begin = triangles.len() as u32;
+            let halves = halves.map(|half| half.map(|v| self.names[l + 1][v as usize]));
+            let Triangles { positions, triangles, faces, .. } = &mut self.triangles;
+            self.cuts[l][place] = Cut { first: triangles.len() as u32, halves };
             closure::close(corners, halves, |v| positions[v as usize], |t| triangles.push(t));
-            self.spans[l][place] = [begin, triangles.len() as u32];
-            faces.resize(triangles.len(), code.root_face(finest - 1));
+            faces.resize(triangles.len(), code.root_face(self.pyramid.floors.len() as u32 - 1));
         }
+    }
+
+    /// Level and place of every leaf, with its code brought to the finest level there is, by which they
+    /// ascend.
+    fn leaves_in_order(&self, forest: &Forest) -> Vec<(FaceCode, usize, usize)> {
+        let finest = self.pyramid.floors.len() - 1;
+        let mut leaves = Vec::with_capacity(forest.leaf_count());
+        for (l, floor) in self.pyramid.floors.iter().enumerate() {
+            let down = 2 * (finest - l);
+            let codes = floor.faces.iter().map(|&f| FaceCode(floor.level.mesh.codes[f as usize].0 << down));
+            leaves.extend(codes.enumerate().map(|(place, code)| (code, l, place)));
+        }
+        leaves.sort_unstable();
+        leaves
     }
 }
 
@@ -169,6 +218,11 @@ impl Finer {
             family[fine.parent(g) as usize] = g;
         }
         Self { split, family }
+    }
+
+    /// The vertices of the next level that halve the edges of a face.
+    fn halves(&self, floors: &[Floor], level: usize, face: u32) -> [Option<u32>; 3] {
+        [0, 1, 2].map(|edge| self.half(floors, level, 3 * face + edge))
     }
 
     /// The vertex of the next level that halves this half-edge, if the neighbour across is quartered.

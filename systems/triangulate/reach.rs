@@ -5,7 +5,7 @@
 //! a detail on the vertex or next to it. That level follows from the surface alone: a vertex has the
 //! same bits in every triangulation.
 
-use selvedge_components::mesh::{Connectivity, HalfedgeId};
+use selvedge_components::mesh::Connectivity;
 use selvedge_components::subdivision::{Address, Details, FaceCode};
 
 use crate::subdivision::region;
@@ -116,73 +116,8 @@ pub fn union(a: &[FaceCode], b: &[FaceCode]) -> Vec<FaceCode> {
 
 /// The faces of `level` around the vertex at `address`; none if there is no such vertex.
 fn faces_around(mesh: &Connectivity, level: u32, address: Address) -> Vec<FaceCode> {
-    let n = 1_u32 << level;
-    let place = match address {
-        Address::Corner(v) if v.index() < mesh.vertex_count() => {
-            let h = mesh.outgoing(v);
-            Some((h, 0))
-        }
-        Address::Edge(e, steps) if e.index() < mesh.edge_count() && (1..n).contains(&steps) => {
-            let h = mesh.halfedge(e);
-            Some((h, if mesh.from(h) < mesh.to(h) { steps } else { n - steps }))
-        }
-        Address::Face(f, i, j) if f.index() < mesh.face_count() && i >= 1 && j >= 1 && i < n && j < n - i => {
-            let (face, corner) = corner_at(level, FaceCode::root(f), [n - i - j, i, j]);
-            return with_fan(mesh, level, face, corner);
-        }
-        _ => None,
-    };
-    let Some((h, along)): Option<(HalfedgeId, u32)> = place else { return Vec::new() };
-    let mut weights = [0; 3];
-    weights[h.corner()] = n - along;
-    weights[(h.corner() + 1) % 3] = along;
-    let (face, corner) = corner_at(level, FaceCode::root(h.face()), weights);
-    with_fan(mesh, level, face, corner)
-}
-
-fn with_fan(mesh: &Connectivity, level: u32, face: FaceCode, corner: usize) -> Vec<FaceCode> {
+    let Some((face, corner)) = region::corner_at(mesh, level, address) else { return Vec::new() };
     let mut faces = vec![face];
     region::fan(mesh, level, face, corner, &mut faces);
     faces
-}
-
-/// A face of `level` below the root face `face`, and its corner, that stands where the root's corners
-/// weigh `weights`, which add up to `2^level`.
-fn corner_at(level: u32, mut face: FaceCode, mut weights: [u32; 3]) -> (FaceCode, usize) {
-    for l in (0..level).rev() {
-        let half = 1_u32 << l;
-        let child = weights.iter().position(|&w| w >= half).unwrap_or(3);
-        weights = match child {
-            // The middle child's corner `i` halves edge `i`, across from corner `i + 2`.
-            3 => [half - weights[2], half - weights[0], half - weights[1]],
-            c => {
-                weights[c] -= half;
-                weights
-            }
-        };
-        face = face.child(child);
-    }
-    (face, weights.iter().position(|&w| w == 1).unwrap_or(0))
-}
-
-#[cfg(test)]
-mod tests {
-    use selvedge_components::mesh::FaceId;
-
-    use super::*;
-
-    /// Descending to a lattice point ends at a face that has it as the corner named.
-    #[test]
-    fn a_lattice_point_is_the_corner_it_is_found_at() {
-        for level in 0..5 {
-            let n = 1_u32 << level;
-            for i in 0..=n {
-                for j in 0..=n - i {
-                    let (face, corner) = corner_at(level, FaceCode::root(FaceId(5)), [n - i - j, i, j]);
-                    assert_eq!(face.root_face(level), FaceId(5));
-                    assert_eq!(face.corners(level)[corner], (i, j), "level {level}");
-                }
-            }
-        }
-    }
 }

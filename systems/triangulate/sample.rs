@@ -8,6 +8,7 @@ use selvedge_components::subdivision::{FaceCode, Patch, Scheme};
 use super::Subject;
 use super::measure::squared_to_segment;
 use super::pyramid::{Floor, Pyramid};
+use crate::foot;
 use crate::parallel::map_in_order;
 use crate::subdivision::chain::Level;
 use crate::subdivision::limit::regular_net;
@@ -80,6 +81,59 @@ pub fn farthest<D: Fn(DVec3) -> f64>(
     };
     pyramid.floors.iter().enumerate().map(of_floor).collect()
 }
+
+/// For the faces asked of `pyramid`, by level and in their order: the point of a triangle that is
+/// farthest from the limit surface, of those that are farther than `limit`. `triangles` is asked for a
+/// level and a place, and answers with the triangles that stand for that face, each corner with its
+/// weights on the face.
+///
+/// The point with the same weights is no nearer than the foot: where it is within the limit already
+/// the foot is not looked for.
+pub fn farthest_back(
+    subject: &Subject,
+    pyramid: &Pyramid,
+    limit: f64,
+    triangles: impl Fn(usize, usize) -> Vec<[(DVec3, [f64; 3]); 3]> + Sync,
+) -> Vec<Vec<Farthest>> {
+    let of_floor = |(l, floor): (usize, &Floor)| {
+        map_in_order(floor.faces.len(), |place| {
+            let leaf = Leaf::new(subject, floor, floor.faces[place]);
+            let surface = leaf.surface();
+            let mut farthest = Farthest::default();
+            for triangle in triangles(l, place) {
+                for b in INSIDE {
+                    let y = (0..3).fold(DVec3::ZERO, |sum, c| sum + triangle[c].0 * b[c]);
+                    let weights = core::array::from_fn(|w| (0..3).map(|c| triangle[c].1[w] * b[c]).sum());
+                    let distance = leaf.position(&surface, weights).distance(y);
+                    let distance = if distance > limit {
+                        foot::distance(&subject.limit, &subject.surface.mesh, leaf.on_root(weights), y, limit)
+                    } else {
+                        0.0
+                    };
+                    farthest.see(y, distance * distance);
+                }
+            }
+            farthest
+        })
+    };
+    pyramid.floors.iter().enumerate().map(of_floor).collect()
+}
+
+/// Where a triangle is asked how far the surface is: its centre, and halfway from there to its corners
+/// and to the middles of its edges.
+const INSIDE: [[f64; 3]; 7] = {
+    let (far, near) = (2.0 / 3.0, 1.0 / 6.0);
+    let edge = 5.0 / 12.0;
+    [
+        [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
+        [far, near, near],
+        [near, far, near],
+        [near, near, far],
+        [edge, edge, near],
+        [near, edge, edge],
+        [edge, near, edge],
+    ]
+};
 
 /// A face of a level mesh that is sampled.
 struct Leaf<'a> {
