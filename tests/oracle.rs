@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use selvedge::io::{Limits, read_cage};
-use selvedge_components::mesh::Connectivity;
-use selvedge_components::subdivision::LoopSurface;
+use selvedge_components::mesh::{Connectivity, VertexId};
+use selvedge_components::subdivision::{CornerTable, Kind, LoopSurface, Origin};
 use selvedge_components::triangles::Triangles;
+use selvedge_systems::subdivision::chain;
 use selvedge_systems::triangulate::{Density, TriangulateOptions, triangulate};
 
 /// `(cage, numbers, whether its tags make corners)`.
@@ -68,12 +69,40 @@ fn limit_points_of_cage_vertices_agree() {
     }
 }
 
+/// OpenSubdiv's transversal tangent at a smooth border vertex of more than four edges is no left
+/// eigenvector of Loop's rules: it turns when the cage is subdivided, so it is not compared.
+/// [`normals_survive_subdivision`] holds there too.
 #[test]
 fn normals_of_cage_vertices_agree() {
     for (cage, name, corners) in CASES {
-        let ours = at_level(&surface(cage, corners), 0);
+        let surface = surface(cage, corners);
+        let ours = at_level(&surface, 0);
         for (v, (n, (_, m))) in ours.normals.iter().zip(numbers(name).vertices).enumerate() {
-            assert!(n.distance(m) < CLOSE || m == DVec3::ZERO, "{name}, vertex {v}: {n} and {m}");
+            let id = VertexId::new(v);
+            let compared = m != DVec3::ZERO && !(surface.mesh.is_border(id) && surface.mesh.valence(id) > 4);
+            assert!(!compared || n.distance(m) < CLOSE, "{name}, vertex {v}: {n} and {m}");
+        }
+    }
+}
+
+/// A cage and the same cage subdivided once have one limit surface, so one normal at each vertex of
+/// the cage, whatever its valence and wherever it lies.
+#[test]
+fn normals_survive_subdivision() {
+    for (cage, name, with_corners) in CASES {
+        let coarse = surface(cage, with_corners);
+        let table = CornerTable::new(&coarse);
+        let root = chain::root(&coarse, &table, &coarse.details);
+        let (fine, _) = chain::refine(&coarse, &table, &coarse.details, &root, &root.mesh.all_refinable());
+        let mesh = Connectivity::new(fine.mesh.vertices.len(), &fine.mesh.corners).expect("a subdivided manifold");
+        let is_corner = |v: &u32| fine.mesh.vertices[*v as usize].kind == Kind::PlainCorner;
+        let corners: Vec<_> = (0..fine.mesh.vertices.len() as u32).filter(is_corner).map(VertexId).collect();
+        let fine_surface = LoopSurface::plain(Arc::new(mesh), fine.state.effective.clone(), &corners);
+        let (before, after) = (at_level(&coarse, 0), at_level(&fine_surface, 0));
+        for (w, vertex) in fine.mesh.vertices.iter().enumerate() {
+            let Origin::Vertex(v) = vertex.origin else { continue };
+            let (n, m) = (before.normals[v as usize], after.normals[w]);
+            assert!(n.distance(m) < CLOSE, "{name}, vertex {v}: {n} and then {m}");
         }
     }
 }
