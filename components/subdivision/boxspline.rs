@@ -21,6 +21,8 @@ use core::ops::{Add, Mul, Sub};
 
 use glam::DVec3;
 
+use crate::evaluate::Jet;
+
 /// What control points are made of: vectors of any width that can be added and scaled.
 ///
 /// [`DVec3`] in general; a SIMD vector where many patches are made at once.
@@ -89,12 +91,19 @@ impl<V: Vector> Quartic<V> {
 
     /// The point and its derivatives by `s` and `t` at `(s, t)`.
     #[inline(always)]
-    pub fn jet(&self, s: f64, t: f64) -> [V; 3] {
+    pub fn with_derivatives(&self, s: f64, t: f64) -> [V; 3] {
         horner_jet(&self.coefficients, s, t)
     }
 }
 
 impl Quartic {
+    /// The point and its first derivatives at `(s, t)`.
+    #[inline(always)]
+    pub fn jet(&self, s: f64, t: f64) -> Jet {
+        let [position, ds, dt] = self.with_derivatives(s, t);
+        Jet { position, ds, dt }
+    }
+
     /// The second derivatives at `(s, t)`: by `s s`, `s t` and `t t`.
     pub fn second_derivatives(&self, s: f64, t: f64) -> [DVec3; 3] {
         let mut second = [DVec3::ZERO; 3];
@@ -123,7 +132,7 @@ pub fn basis(s: f64, t: f64) -> [[f64; 12]; 3] {
     for group in 0..4 {
         let mut net = [DVec3::ZERO; 12];
         net[3 * group..3 * group + 3].copy_from_slice(&[DVec3::X, DVec3::Y, DVec3::Z]);
-        let jet = Quartic::new(&net).jet(s, t);
+        let jet = Quartic::new(&net).with_derivatives(s, t);
         for (row, value) in weights.iter_mut().zip(jet) {
             row[3 * group..3 * group + 3].copy_from_slice(&value.to_array());
         }

@@ -274,7 +274,7 @@ impl PlainLoop {
         } else {
             Place::in_irregular(at.st.x, at.st.y)
         };
-        let [position, ds, dt] = self.quartic(at.face, place.piece).jet(place.s, place.t);
+        let [position, ds, dt] = self.quartic(at.face, place.piece).with_derivatives(place.s, place.t);
         let [ds, dt] = to_face(place.piece.corner(), place.piece.scale(), ds, dt);
         Jet { position, ds, dt }
     }

@@ -411,7 +411,7 @@ impl<'a, L: Store> Worker<'a, L> {
     /// `scale` times as fast.
     #[inline(always)]
     fn jet(&self, quartic: &Quartic<L::Vector>, (s, t): (f64, f64), (corner, scale): (u8, f64)) -> Jet {
-        let [position, ds, dt] = quartic.jet(s, t);
+        let [position, ds, dt] = quartic.with_derivatives(s, t);
         let [ds, dt] = place::to_face(corner, scale, ds, dt);
         Jet { position: self.store.store(position), ds: self.store.store(ds), dt: self.store.store(dt) }
     }
