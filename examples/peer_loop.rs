@@ -110,6 +110,7 @@ mod peer {
         put(name, median(wall), "s");
         put(&format!("{name}.min"), least, "s");
         put(&format!("{name}.max"), most, "s");
+        put(&format!("{name}.cpu_min"), cpu.iter().copied().fold(f64::MAX, f64::min), "s");
         let cpu = median(cpu);
         put(&format!("{name}.cpu"), cpu, "s");
         put(&format!("{name}.rate"), points as f64 / cpu * 1e-6, "Mpts/s");

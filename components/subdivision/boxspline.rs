@@ -17,14 +17,21 @@
 //! `i` to `i + 1`), then for each corner the two points left in its ring, counter-clockwise: the
 //! list of the net turned by one corner is the list with each group turned by one.
 
-use core::ops::{Add, Mul};
+use core::ops::{Add, Mul, Sub};
 
 use glam::DVec3;
 
 use crate::evaluate::Jet;
 
+/// What control points are made of: vectors of any width that can be added and scaled.
+///
+/// [`DVec3`] in general; a SIMD vector where many patches are made at once.
+pub trait Vector: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self> {}
+
+impl Vector for DVec3 {}
+
 /// The twelve control points of a regular face, in the order of the module's picture.
-pub type Net = [DVec3; 12];
+pub type Net<V = DVec3> = [V; 12];
 
 /// The exponents `(a, b)` of the monomials `s^a t^b` that a [`Quartic`] stores, in its order.
 /// `s^2 t^2` is missing: no box spline on this lattice has it.
@@ -36,21 +43,20 @@ pub const EXPONENTS: [(i32, i32); 14] =
 /// Power coefficients, in the order of [`EXPONENTS`]. On the unit triangle they lose nothing that
 /// matters: all are sums of second differences of neighbouring control points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Quartic {
+pub struct Quartic<V = DVec3> {
     /// The coefficient of each monomial of [`EXPONENTS`], in model units.
-    pub coefficients: [DVec3; 14],
+    pub coefficients: [V; 14],
 }
 
-impl Quartic {
+impl<V: Vector> Quartic<V> {
     /// The polynomial of the face with these control points.
     ///
     /// Twelve times the surface is written in second differences along `s` (`x`), `t` (`y`) and
     /// `s - t` (`z`): expanding the box spline's twelve basis functions [Stam 1998, Appendix] and
     /// collecting them by powers leaves only these.
     #[inline(always)]
-    pub fn new(net: &Net) -> Self {
+    pub fn new(net: &Net<V>) -> Self {
         let [a, b, c, ab, bc, ca, a1, a2, b1, b2, c1, c2] = *net;
-        let second = |p: DVec3, q: DVec3, r: DVec3| (p + r) - (q + q);
         let (xa, xb, xc, xd) = (second(a1, a, b), second(a, b, b2), second(ca, c, bc), second(a2, ab, b1));
         let (ya, yb, yc, yd) = (second(a2, a, c), second(ab, b, bc), second(a, c, c1), second(a1, ca, c2));
         let za = second(ab, a, ca);
@@ -79,14 +85,22 @@ impl Quartic {
 
     /// The point at `(s, t)`.
     #[inline(always)]
-    pub fn position(&self, s: f64, t: f64) -> DVec3 {
-        horner_position(&self.coefficients, DVec3::splat(s), DVec3::splat(t))
+    pub fn position(&self, s: f64, t: f64) -> V {
+        horner_position(&self.coefficients, s, t)
     }
 
+    /// The point and its derivatives by `s` and `t` at `(s, t)`.
+    #[inline(always)]
+    pub fn with_derivatives(&self, s: f64, t: f64) -> [V; 3] {
+        horner_jet(&self.coefficients, s, t)
+    }
+}
+
+impl Quartic {
     /// The point and its first derivatives at `(s, t)`.
     #[inline(always)]
     pub fn jet(&self, s: f64, t: f64) -> Jet {
-        let [position, ds, dt] = horner_jet(&self.coefficients, DVec3::splat(s), DVec3::splat(t));
+        let [position, ds, dt] = self.with_derivatives(s, t);
         Jet { position, ds, dt }
     }
 
@@ -105,6 +119,12 @@ impl Quartic {
     }
 }
 
+/// The second difference of three points in a row.
+#[inline(always)]
+fn second<V: Vector>(p: V, q: V, r: V) -> V {
+    (p + r) - (q + q)
+}
+
 /// What each control point of a [`Net`] weighs at `(s, t)`, and in the derivatives by `s` and `t`.
 pub fn basis(s: f64, t: f64) -> [[f64; 12]; 3] {
     // Three basis functions at a time, one for each coordinate.
@@ -112,18 +132,22 @@ pub fn basis(s: f64, t: f64) -> [[f64; 12]; 3] {
     for group in 0..4 {
         let mut net = [DVec3::ZERO; 12];
         net[3 * group..3 * group + 3].copy_from_slice(&[DVec3::X, DVec3::Y, DVec3::Z]);
-        let jet = Quartic::new(&net).jet(s, t);
-        for (row, value) in weights.iter_mut().zip([jet.position, jet.ds, jet.dt]) {
+        let jet = Quartic::new(&net).with_derivatives(s, t);
+        for (row, value) in weights.iter_mut().zip(jet) {
             row[3 * group..3 * group + 3].copy_from_slice(&value.to_array());
         }
     }
     weights
 }
 
-/// Horner's scheme for [`Quartic::position`], for numbers of any width: whatever the width, the
-/// operations and their order, hence the bits, are the same.
+/// Horner's scheme for [`Quartic::position`]: one vector at one place, or one coordinate at as many
+/// places as `N` is wide. The operations and their order, hence the bits, are the same.
 #[inline(always)]
-pub fn horner_position<T: Copy + Add<Output = T> + Mul<Output = T>>(c: &[T; 14], s: T, t: T) -> T {
+pub fn horner_position<T, N>(c: &[T; 14], s: N, t: N) -> T
+where
+    T: Copy + Add<Output = T> + Mul<N, Output = T>,
+    N: Copy,
+{
     let q0 = (((c[4] * s + c[3]) * s + c[2]) * s + c[1]) * s + c[0];
     let q1 = ((c[8] * s + c[7]) * s + c[6]) * s + c[5];
     let (q2, q3) = (c[10] * s + c[9], c[12] * s + c[11]);
@@ -133,7 +157,11 @@ pub fn horner_position<T: Copy + Add<Output = T> + Mul<Output = T>>(c: &[T; 14],
 /// Horner's scheme for [`Quartic::jet`], as [`horner_position`]: position, derivative by `s`,
 /// derivative by `t`. Each sum is differentiated as it grows: `(p s + c)' = p' s + p`.
 #[inline(always)]
-pub fn horner_jet<T: Copy + Add<Output = T> + Mul<Output = T>>(c: &[T; 14], s: T, t: T) -> [T; 3] {
+pub fn horner_jet<T, N>(c: &[T; 14], s: N, t: N) -> [T; 3]
+where
+    T: Copy + Add<Output = T> + Mul<N, Output = T>,
+    N: Copy,
+{
     let p3 = c[4] * s + c[3];
     let d2 = c[4] * s + p3;
     let p2 = p3 * s + c[2];

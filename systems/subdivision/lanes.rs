@@ -1,4 +1,4 @@
-//! Many places of one polynomial at once, as wide as the machine allows.
+//! SIMD vectors as numbers: the same coordinate of many places, or all coordinates of one.
 //!
 //! Widths differ between machines, results do not: every lane does the operations of
 //! [`Quartic`]'s own functions in their order, and nothing is fused.
@@ -6,18 +6,17 @@
 //! What runs in lanes is `#[inline(always)]` down to the last operator and passes no closures: code
 //! that is not inlined into the dispatched function is compiled for the least machine instead.
 
-use core::ops::{Add, Div, Mul, Neg, Sub};
+use core::ops::{Add, Div, Mul, Sub};
 
-use bytemuck::{cast_slice, cast_slice_mut};
+use bytemuck::{cast, cast_slice, cast_slice_mut};
 use glam::DVec3;
 use pulp::{Simd, WithSimd};
-use selvedge_components::evaluate::Jet;
-use selvedge_components::subdivision::boxspline::{Quartic, horner_jet, horner_position};
-use selvedge_components::subdivision::plain::Piece;
+use selvedge_components::subdivision::boxspline::{Quartic, Vector, horner_jet, horner_position};
+use selvedge_components::subdivision::plain::{AsStored, Load};
 
 /// One number in every lane.
 #[derive(Clone, Copy)]
-struct Lanes<S: Simd> {
+pub(super) struct Lanes<S: Simd> {
     simd: S,
     numbers: S::f64s,
 }
@@ -40,12 +39,54 @@ operator!(Sub, sub, sub_f64s);
 operator!(Mul, mul, mul_f64s);
 operator!(Div, div, div_f64s);
 
-impl<S: Simd> Neg for Lanes<S> {
+impl<S: Simd> Mul<f64> for Lanes<S> {
     type Output = Self;
 
     #[inline(always)]
-    fn neg(self) -> Self {
-        Self { simd: self.simd, numbers: self.simd.neg_f64s(self.numbers) }
+    fn mul(self, other: f64) -> Self {
+        self * Self::splat(self.simd, other)
+    }
+}
+
+impl<S: Simd> Vector for Lanes<S> {}
+
+/// Calculates with the coordinates of a point side by side, on machines with four lanes. What is in
+/// the last is never stored.
+#[derive(Clone, Copy)]
+pub(super) struct AsLanes<S>(pub S);
+
+impl<S: Simd> Load for AsLanes<S> {
+    type Vector = Lanes<S>;
+
+    #[inline(always)]
+    fn load(self, point: DVec3) -> Lanes<S> {
+        self.load_padded(&[point.x, point.y, point.z, 0.0])
+    }
+
+    #[inline(always)]
+    fn load_padded(self, point: &[f64; 4]) -> Lanes<S> {
+        Lanes { simd: self.0, numbers: cast(*point) }
+    }
+}
+
+/// The way back from what [`Load`] makes.
+pub(super) trait Store: Load {
+    /// The point that `vector` stands for.
+    fn store(self, vector: Self::Vector) -> DVec3;
+}
+
+impl Store for AsStored {
+    #[inline(always)]
+    fn store(self, vector: DVec3) -> DVec3 {
+        vector
+    }
+}
+
+impl<S: Simd> Store for AsLanes<S> {
+    #[inline(always)]
+    fn store(self, vector: Lanes<S>) -> DVec3 {
+        let lanes: &[f64] = cast_slice(core::slice::from_ref(&vector.numbers));
+        DVec3::new(lanes[0], lanes[1], lanes[2])
     }
 }
 
@@ -78,16 +119,16 @@ fn splat<S: Simd>(simd: S, quartic: &Quartic) -> Coefficients<S> {
     lanes
 }
 
-/// What is computed at each place: `N` numbers.
-trait Kernel<const N: usize> {
-    fn at<S: Simd>(&self, c: &Coefficients<S>, s: Lanes<S>, t: Lanes<S>) -> [Lanes<S>; N];
+/// What is computed at each place: three numbers.
+trait Kernel {
+    fn at<S: Simd>(&self, c: &Coefficients<S>, s: Lanes<S>, t: Lanes<S>) -> [Lanes<S>; 3];
 }
 
 /// Three numbers at each `(s, t)`, written as a vector each.
 #[inline(always)]
 fn write_vectors<S: Simd>(
     simd: S,
-    kernel: &impl Kernel<3>,
+    kernel: &impl Kernel,
     quartic: &Quartic,
     (s, t): (&[f64], &[f64]),
     out: &mut [DVec3],
@@ -111,7 +152,7 @@ fn write_vectors<S: Simd>(
 
 struct AtPosition;
 
-impl Kernel<3> for AtPosition {
+impl Kernel for AtPosition {
     #[inline(always)]
     fn at<S: Simd>(&self, [x, y, z]: &Coefficients<S>, s: Lanes<S>, t: Lanes<S>) -> [Lanes<S>; 3] {
         [horner_position(x, s, t), horner_position(y, s, t), horner_position(z, s, t)]
@@ -120,7 +161,7 @@ impl Kernel<3> for AtPosition {
 
 struct AtNormal;
 
-impl Kernel<3> for AtNormal {
+impl Kernel for AtNormal {
     #[inline(always)]
     fn at<S: Simd>(&self, [x, y, z]: &Coefficients<S>, s: Lanes<S>, t: Lanes<S>) -> [Lanes<S>; 3] {
         let ([_, a, d], [_, b, e], [_, c, f]) = (horner_jet(x, s, t), horner_jet(y, s, t), horner_jet(z, s, t));
@@ -128,27 +169,6 @@ impl Kernel<3> for AtNormal {
         let square = x * x + y * y + z * z;
         let length = Lanes { simd: s.simd, numbers: s.simd.sqrt_f64s(square.numbers) };
         [x.over_or_zero(length), y.over_or_zero(length), z.over_or_zero(length)]
-    }
-}
-
-/// Position and derivatives by the face's coordinates.
-struct AtJet {
-    piece: Piece,
-}
-
-impl Kernel<9> for AtJet {
-    #[inline(always)]
-    fn at<S: Simd>(&self, [x, y, z]: &Coefficients<S>, s: Lanes<S>, t: Lanes<S>) -> [Lanes<S>; 9] {
-        let scale = Lanes::splat(s.simd, self.piece.scale());
-        let [x, a, d] = horner_jet(x, s, t);
-        let [y, b, e] = horner_jet(y, s, t);
-        let [z, c, f] = horner_jet(z, s, t);
-        let [a, b, c, d, e, f] = [a * scale, b * scale, c * scale, d * scale, e * scale, f * scale];
-        match self.piece.corner() {
-            0 => [x, y, z, a, b, c, d, e, f],
-            1 => [x, y, z, -d, -e, -f, a - d, b - e, c - f],
-            _ => [x, y, z, d - a, e - b, f - c, -a, -b, -c],
-        }
     }
 }
 
@@ -186,56 +206,3 @@ impl WithSimd for Normals<'_> {
         write_vectors(simd, &AtNormal, self.quartic, (self.s, self.t), self.normals);
     }
 }
-
-/// Where a result goes.
-pub(super) trait Put {
-    /// Takes the result of the `index`-th place.
-    fn put(&mut self, index: usize, jet: Jet);
-}
-
-/// Evaluates `quartic` at each `(s, t)` and hands position and derivatives by the face's coordinates to
-/// `put`.
-pub(super) struct Jets<'a, P> {
-    pub quartic: &'a Quartic,
-    /// Which piece of the face `quartic` covers.
-    pub piece: Piece,
-    pub s: &'a [f64],
-    pub t: &'a [f64],
-    pub put: &'a mut P,
-}
-
-impl<P: Put> WithSimd for Jets<'_, P> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let c = splat(simd, self.quartic);
-        let kernel = AtJet { piece: self.piece };
-        let ((s, s_rest), (t, t_rest)) = (S::as_simd_f64s(self.s), S::as_simd_f64s(self.t));
-        for (i, (&s, &t)) in s.iter().zip(t).enumerate() {
-            let jets = kernel.at(&c, Lanes { simd, numbers: s }, Lanes { simd, numbers: t });
-            put_lanes(self.put, i * S::F64_LANES, S::F64_LANES, &jets);
-        }
-        if !s_rest.is_empty() {
-            let (s_last, t_last) = (simd.partial_load_f64s(s_rest), simd.partial_load_f64s(t_rest));
-            let jets = kernel.at(&c, Lanes { simd, numbers: s_last }, Lanes { simd, numbers: t_last });
-            put_lanes(self.put, s.len() * S::F64_LANES, s_rest.len(), &jets);
-        }
-    }
-}
-
-#[inline(always)]
-fn put_lanes<S: Simd>(put: &mut impl Put, first: usize, count: usize, jets: &[Lanes<S>; 9]) {
-    let mut numbers = [[0.0; MOST_LANES]; 9];
-    for (row, lanes) in numbers.iter_mut().zip(jets) {
-        row[..S::F64_LANES].copy_from_slice(cast_slice(core::slice::from_ref(&lanes.numbers)));
-    }
-    let [x, y, z, a, b, c, d, e, f] = &numbers;
-    for i in 0..count {
-        let (position, ds) = (DVec3::new(x[i], y[i], z[i]), DVec3::new(a[i], b[i], c[i]));
-        put.put(first + i, Jet { position, ds, dt: DVec3::new(d[i], e[i], f[i]) });
-    }
-}
-
-/// No machine has wider vectors of 64-bit numbers.
-const MOST_LANES: usize = 8;

@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::PlainLoop;
 use super::topology::VertexRule;
 use crate::mesh::{HalfedgeId, VertexId};
+use crate::subdivision::boxspline::Vector;
 use crate::subdivision::masks;
 
 impl PlainLoop {
@@ -82,7 +83,7 @@ pub fn vertex_normal(rule: VertexRule, q: DVec3, spokes: &[DVec3]) -> DVec3 {
 
 /// `(1, 4, 1) / 6`: a cubic B-spline at its knot.
 #[inline(always)]
-pub(super) fn border_limit(q: DVec3, next: DVec3, previous: DVec3) -> DVec3 {
+pub(super) fn border_limit<V: Vector>(q: V, next: V, previous: V) -> V {
     ((next + previous) + q * 4.0) * (1.0 / 6.0)
 }
 

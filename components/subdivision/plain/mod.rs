@@ -1,30 +1,31 @@
 //! Loop surfaces with plain borders and without details: exact at any place, in closed form nearly
 //! everywhere.
 //!
-//! A face whose corners are regular is one polynomial ([`Quartic`]). Any other face falls into
+//! A face whose corners are regular is one polynomial ([`Quartic`](super::boxspline::Quartic)). Any other face falls into
 //! infinitely many such polynomials: its middle quarter, and around each corner the quarters that
 //! subdivision towards that corner leaves behind ([`Piece`]). A point lies in one of them, and few
 //! steps of the corner's neighbourhood lead there, so no value is approximated.
 
-mod fan;
+mod corner;
 mod limit;
 mod patch;
-mod place;
+pub mod place;
 mod topology;
 
 use std::sync::Arc;
 
 use glam::DVec3;
 
+pub use corner::CornerPieces;
 pub use limit::vertex_normal;
-pub use patch::PatchReader;
+pub use patch::{AsStored, Load, PatchReader};
 pub use place::{Piece, Place};
 pub use topology::{PlainError, PlainTopology, VertexRule};
 
-use super::boxspline::Quartic;
 use crate::evaluate::{Evaluate, Jet, SurfacePoint};
-use crate::mesh::{Connectivity, EdgeId, FaceId, HalfedgeId, VertexId};
-use fan::edge_point;
+use crate::mesh::{Connectivity, VertexId};
+use corner::{edge_point, weigh};
+use limit::border_limit;
 
 /// A Loop surface without details whose borders, if any, are cubic B-splines.
 ///
@@ -34,10 +35,10 @@ use fan::edge_point;
 pub struct PlainLoop {
     topology: Arc<PlainTopology>,
     points: Vec<DVec3>,
-    /// Vertices and edge midpoints one step finer, by root vertex and root edge; zero where no face
-    /// needs them.
-    vertices: Vec<DVec3>,
-    edges: Vec<DVec3>,
+    /// The points of one subdivision step around the corners of faces that are not regular, in the
+    /// blocks of [`PlainTopology`]: the limit of a vertex, then the vertex and its ring relative to
+    /// it. Each with a fourth number beside it, so that one wide load reads it.
+    finer: Vec<[f64; 4]>,
 }
 
 impl PlainLoop {
@@ -54,10 +55,9 @@ impl PlainLoop {
     /// # Errors
     /// [`PlainError::PointCount`], [`PlainError::NotFinite`].
     pub fn on(topology: Arc<PlainTopology>, points: Vec<DVec3>) -> Result<Self, PlainError> {
-        let (vertices, edges) = (topology.mesh().vertex_count(), topology.mesh().edge_count());
-        check(&points, vertices)?;
-        let (vertices, edges) = (vec![DVec3::ZERO; vertices], vec![DVec3::ZERO; edges]);
-        let mut surface = Self { topology, points, vertices, edges };
+        check(&points, topology.mesh().vertex_count())?;
+        let finer = vec![[0.0; 4]; topology.finer_count()];
+        let mut surface = Self { topology, points, finer };
         surface.take_first_step();
         Ok(surface)
     }
@@ -100,44 +100,42 @@ impl PlainLoop {
         }
     }
 
+    /// Fills the blocks of finer points, each from the ring of its vertex alone.
     fn take_first_step(&mut self) {
-        let topology = Arc::clone(&self.topology);
+        let topology = &*self.topology;
         let mesh = topology.mesh();
-        for v in (0..mesh.vertex_count()).map(VertexId::new).filter(|&v| topology.is_stepped(v)) {
-            self.vertices[v.index()] = self.stepped_vertex(v);
-        }
-        for e in (0..mesh.edge_count()).map(EdgeId::new) {
-            let h = mesh.halfedge(e);
-            if topology.is_stepped(mesh.from(h)) || topology.is_stepped(mesh.to(h)) {
-                self.edges[e.index()] = self.stepped_edge(h);
+        let mut ring = Vec::new();
+        for v in (0..mesh.vertex_count()).map(VertexId::new) {
+            let block = topology.block(v);
+            if block.is_empty() {
+                continue;
             }
+            ring.clear();
+            ring.extend(mesh.neighbours(v).map(|n| self.points[n.index()]));
+            step_around(topology, topology.rule(v), self.points[v.index()], &ring, &mut self.finer[block]);
         }
     }
+}
 
-    fn stepped_vertex(&self, v: VertexId) -> DVec3 {
-        let (mesh, q) = (self.topology.mesh(), self.point(v));
-        match self.topology.rule(v) {
-            VertexRule::Interior => {
-                let k = mesh.valence(v) as usize;
-                let w = self.topology.mask(k).step;
-                let sum = mesh.ring(v).fold(DVec3::ZERO, |sum, h| sum + self.point(mesh.to(h)));
-                q * (1.0 - k as f64 * w) + sum * w
-            }
-            VertexRule::Border => {
-                let [next, previous] = self.border_neighbours(v);
-                (next + previous) * 0.125 + q * 0.75
-            }
-            VertexRule::Corner => q,
-        }
-    }
-
-    fn stepped_edge(&self, h: HalfedgeId) -> DVec3 {
-        let mesh = self.topology.mesh();
-        let (a, b) = (self.point(mesh.from(h)), self.point(mesh.to(h)));
-        match mesh.twin(h) {
-            Some(twin) => edge_point(a, b, self.point(mesh.opposite(h)), self.point(mesh.opposite(twin))),
-            None => (a + b) * 0.5,
-        }
+/// Writes the limit of a vertex, then the vertex and its ring one step finer, relative to the limit.
+fn step_around(topology: &PlainTopology, rule: VertexRule, q: DVec3, ring: &[DVec3], block: &mut [[f64; 4]]) {
+    let last = ring.len() - 1;
+    let mask = topology.mask(ring.len());
+    let (limit, centre) = match rule {
+        VertexRule::Interior => (weigh(q, ring, mask.limit), weigh(q, ring, mask.step)),
+        VertexRule::Border => (border_limit(q, ring[0], ring[last]), (ring[0] + ring[last]) * 0.125 + q * 0.75),
+        VertexRule::Corner => (q, q),
+    };
+    let padded = |p: DVec3| [p.x, p.y, p.z, 0.0];
+    block[0] = padded(limit);
+    block[1] = padded(centre - limit);
+    for (i, place) in block[2..].iter_mut().enumerate() {
+        // The point that closes an interior ring is its first again.
+        let i = if i > last { 0 } else { i };
+        let (before, after) = (if i == 0 { last } else { i - 1 }, if i == last { 0 } else { i + 1 });
+        let on_border = rule != VertexRule::Interior && (i == 0 || i == last);
+        let middle = if on_border { (q + ring[i]) * 0.5 } else { edge_point(q, ring[i], ring[before], ring[after]) };
+        *place = padded(middle - limit);
     }
 }
 
@@ -160,16 +158,7 @@ impl Evaluate for PlainLoop {
     /// their own size, which vanishes or grows as a power of the distance; at the vertex itself they
     /// are [`PlainLoop::vertex_tangents`]. A face that does not exist gives NaN.
     fn jet(&self, at: SurfacePoint) -> Jet {
-        PatchReader::new(self).jet(at)
-    }
-}
-
-/// The polynomial of a regular face, and that of any piece of another.
-impl PlainLoop {
-    /// The polynomial of `face` where [`PlainTopology::is_regular`].
-    #[inline]
-    pub fn quartic(&self, face: FaceId) -> Option<Quartic> {
-        self.topology.is_regular(face).then(|| Quartic::new(&self.regular_net(face)))
+        self.jet_at(at)
     }
 }
 

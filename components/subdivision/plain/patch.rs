@@ -2,33 +2,70 @@
 
 use glam::DVec3;
 
-use super::fan::{Fan, reflect};
-use super::limit::border_limit;
-use super::place::{Piece, Place};
-use super::{PlainLoop, VertexRule};
+use super::PlainLoop;
+use super::corner::{CornerPieces, reflect};
+use super::place::{Piece, Place, to_face};
+use super::topology::{FinerCorner, NONE};
 use crate::evaluate::{Jet, SurfacePoint};
-use crate::mesh::{FaceId, HalfedgeId};
-use crate::subdivision::boxspline::{Net, Quartic};
+use crate::mesh::{FaceId, HalfedgeId, VertexId};
+use crate::subdivision::boxspline::{Net, Quartic, Vector};
 
-impl PlainLoop {
-    /// The control points of a regular face; beyond borders, their phantoms.
-    #[inline]
-    pub fn regular_net(&self, face: FaceId) -> Net {
-        let corners = self.topology().mesh().face(face).map(|v| self.point(v));
-        let mut net = [DVec3::ZERO; 12];
-        net[..3].copy_from_slice(&corners);
-        for i in 0..3 {
-            let h = HalfedgeId::of(face, i);
-            net[3 + i] = self.across(h, corners[i], corners[(i + 1) % 3], corners[(i + 2) % 3]);
-            [net[6 + 2 * i], net[7 + 2 * i]] = self.behind(h, corners[i]);
-        }
-        net
+/// Makes vectors to calculate with of points.
+pub trait Load: Copy {
+    /// What is calculated with.
+    type Vector: Vector;
+
+    /// The vector of a point.
+    fn load(self, point: DVec3) -> Self::Vector;
+
+    /// The vector of a point that is stored with a fourth number beside it.
+    fn load_padded(self, point: &[f64; 4]) -> Self::Vector;
+}
+
+/// Calculates with [`DVec3`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AsStored;
+
+impl Load for AsStored {
+    type Vector = DVec3;
+
+    #[inline(always)]
+    fn load(self, point: DVec3) -> DVec3 {
+        point
+    }
+
+    #[inline(always)]
+    fn load_padded(self, &[x, y, z, _]: &[f64; 4]) -> DVec3 {
+        DVec3::new(x, y, z)
+    }
+}
+
+/// The control points of a regular face as they are stored; beyond borders, their phantoms.
+struct RegularNet<'a, L> {
+    surface: &'a PlainLoop,
+    load: L,
+}
+
+impl<L: Load> RegularNet<'_, L> {
+    #[inline(always)]
+    fn point(&self, v: VertexId) -> L::Vector {
+        self.load.load(self.surface.points[v.index()])
+    }
+
+    #[inline(always)]
+    fn of(&self, face: FaceId) -> Net<L::Vector> {
+        let [a, b, c] = self.surface.topology.mesh().face(face);
+        let (a, b, c) = (self.point(a), self.point(b), self.point(c));
+        let [ha, hb, hc] = [HalfedgeId::of(face, 0), HalfedgeId::of(face, 1), HalfedgeId::of(face, 2)];
+        let ([a1, a2], [b1, b2], [c1, c2]) = (self.behind(ha, a), self.behind(hb, b), self.behind(hc, c));
+        let (ab, bc, ca) = (self.across(ha, a, b, c), self.across(hb, b, c, a), self.across(hc, c, a, b));
+        [a, b, c, ab, bc, ca, a1, a2, b1, b2, c1, c2]
     }
 
     /// The far corner of the neighbour across `h`, which runs from `a` to `b` with `c` on its left.
     #[inline(always)]
-    fn across(&self, h: HalfedgeId, a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
-        let mesh = self.topology().mesh();
+    fn across(&self, h: HalfedgeId, a: L::Vector, b: L::Vector, c: L::Vector) -> L::Vector {
+        let mesh = self.surface.topology.mesh();
         match mesh.twin(h) {
             Some(twin) => self.point(mesh.opposite(twin)),
             None => reflect(a, b, c),
@@ -38,22 +75,24 @@ impl PlainLoop {
     /// The third and fourth point after `h` in the ring of six around the regular vertex `v` that it
     /// leaves.
     #[inline(always)]
-    fn behind(&self, h: HalfedgeId, v: DVec3) -> [DVec3; 2] {
-        let mesh = self.topology().mesh();
-        let turned = |h: HalfedgeId| mesh.twin(h.previous());
-        match turned(h).and_then(turned).and_then(turned) {
-            Some(third) => [self.point(mesh.to(third)), self.point(mesh.opposite(third))],
-            None => self.behind_border(h, v),
+    fn behind(&self, h: HalfedgeId, v: L::Vector) -> [L::Vector; 2] {
+        let mesh = self.surface.topology.mesh();
+        if let Some(one) = mesh.twin(h.previous())
+            && let Some(two) = mesh.twin(one.previous())
+            && let Some(three) = mesh.twin(two.previous())
+        {
+            return [self.point(mesh.to(three)), self.point(mesh.opposite(three))];
         }
+        self.behind_border(h, v)
     }
 
     /// As [`Self::behind`] at a regular border vertex or corner: its ring is completed by phantoms.
     /// [`reflect`] gives those across the border edges; at a corner those between continue its two
     /// edges straight on, which alone keeps it in place.
-    fn behind_border(&self, h: HalfedgeId, v: DVec3) -> [DVec3; 2] {
-        let mesh = self.topology().mesh();
+    fn behind_border(&self, h: HalfedgeId, v: L::Vector) -> [L::Vector; 2] {
+        let mesh = self.surface.topology.mesh();
         let vertex = mesh.from(h);
-        let mut ring = [DVec3::ZERO; 6];
+        let mut ring = [v; 6];
         let mut k = 0;
         for (place, n) in ring.iter_mut().zip(mesh.neighbours(vertex)) {
             *place = self.point(n);
@@ -69,144 +108,164 @@ impl PlainLoop {
         }
         [ring[(first + 3) % 6], ring[(first + 4) % 6]]
     }
-
-    /// The control points, one step finer, of the middle quarter of a face that is not regular. Its
-    /// coordinates are turned by half a turn.
-    fn middle_net(&self, face: FaceId) -> Net {
-        let mesh = self.topology().mesh();
-        let h = [0, 1, 2].map(|i| HalfedgeId::of(face, i));
-        let mid = h.map(|h| self.edges[mesh.edge(h).index()]);
-        let corner = mesh.face(face).map(|v| self.vertices[v.index()]);
-        // Around the midpoint of edge i: the two edges of the neighbour's far corner.
-        let around = |i: usize| match mesh.twin(h[i]) {
-            Some(twin) => [twin.next(), twin.previous()].map(|g| self.edges[mesh.edge(g).index()]),
-            None => {
-                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                [reflect(mid[i], corner[i], mid[k]), reflect(mid[i], corner[j], mid[j])]
-            }
-        };
-        let ([a0, a1], [b0, b1], [c0, c1]) = (around(1), around(2), around(0));
-        [mid[1], mid[2], mid[0], corner[2], corner[0], corner[1], a0, a1, b0, b1, c0, c1]
-    }
-
-    /// The fan of the face left of `h` around the vertex that `h` leaves, one step finer, and that
-    /// vertex's limit, which the fan's points are relative to.
-    fn fan(&self, h: HalfedgeId, fan: &mut Fan) -> DVec3 {
-        let mesh = self.topology().mesh();
-        let (v, back) = (mesh.from(h), h.previous());
-        let finer = |h: HalfedgeId| self.edges[mesh.edge(h).index()];
-        fan.rule = self.topology().rule(v);
-        fan.centre = self.vertices[v.index()];
-        fan.spokes.clear();
-        fan.first = 0;
-        let start = if fan.rule == VertexRule::Interior { h } else { mesh.outgoing(v) };
-        let mut next = Some(start);
-        while let Some(g) = next {
-            if g == h {
-                fan.first = fan.spokes.len();
-            }
-            fan.spokes.push(finer(g));
-            next = mesh.twin(g.previous()).filter(|&g| g != start);
-            if next.is_none() && fan.rule != VertexRule::Interior {
-                fan.spokes.push(finer(g.previous()));
-            }
-        }
-        let (x, y, w) = (finer(h.next()), self.vertices[mesh.to(h).index()], self.vertices[mesh.from(back).index()]);
-        let k = fan.spokes.len();
-        let (r0, r1) = (fan.spokes[fan.first], fan.spokes[(fan.first + 1) % k]);
-        let z = mesh.twin(h).map_or_else(|| reflect(r0, y, x), |t| finer(t.previous()));
-        let u = mesh.twin(back).map_or_else(|| reflect(r1, w, x), |t| finer(t.next()));
-        fan.outer = [z, y, x, w, u];
-        self.centre_fan(fan)
-    }
-
-    /// Makes the fan's points relative to the limit of its centre, which is returned: then rounding
-    /// shrinks with the fan, and differences between its points stay exact however fine it gets.
-    fn centre_fan(&self, fan: &mut Fan) -> DVec3 {
-        let k = fan.spokes.len();
-        let limit = match fan.rule {
-            VertexRule::Interior => {
-                let mask = self.topology().mask(k);
-                fan.weight = mask.step;
-                let sum = fan.spokes.iter().fold(DVec3::ZERO, |sum, &p| sum + p);
-                fan.centre * (1.0 - k as f64 * mask.limit) + sum * mask.limit
-            }
-            VertexRule::Border => border_limit(fan.centre, fan.spokes[0], fan.spokes[k - 1]),
-            VertexRule::Corner => fan.centre,
-        };
-        fan.centre -= limit;
-        for p in fan.spokes.iter_mut().chain(&mut fan.outer) {
-            *p -= limit;
-        }
-        limit
-    }
 }
 
-/// Reads the polynomials of a face's pieces; keeps what neighbouring pieces share.
-///
-/// Cheapest when the pieces of one face are asked for in the order of [`Piece::rank`].
-#[derive(Clone, Debug)]
-pub struct PatchReader<'a> {
+/// The control points around a face that is not regular, one step finer.
+struct FinerNet<'a, L> {
     surface: &'a PlainLoop,
-    fans: [CornerFan; 3],
-    spare: Vec<DVec3>,
-    face: Option<FaceId>,
+    load: L,
+    corners: &'a [FinerCorner; 3],
 }
 
-/// The fan around one corner, at one level.
-#[derive(Clone, Debug, Default)]
-struct CornerFan {
-    /// `None`: not gathered for the present face.
-    depth: Option<u8>,
-    limit: DVec3,
-    fan: Fan,
-}
-
-impl<'a> PatchReader<'a> {
-    /// A reader of `surface`.
-    pub fn new(surface: &'a PlainLoop) -> Self {
-        Self { surface, fans: Default::default(), spare: Vec::new(), face: None }
+impl<L: Load> FinerNet<'_, L> {
+    #[inline(always)]
+    fn stored(&self, place: u32) -> L::Vector {
+        self.load.load_padded(&self.surface.finer[place as usize])
     }
 
-    /// The polynomial of `piece` of `face`, which must exist, in the piece's own coordinates.
-    ///
-    /// For [`Piece::Vertex`] that is the tangent plane there.
-    pub fn quartic(&mut self, face: FaceId, piece: Piece) -> Quartic {
-        let surface = self.surface;
-        match piece {
-            Piece::Whole => Quartic::new(&surface.regular_net(face)),
-            Piece::Middle => Quartic::new(&surface.middle_net(face)),
-            Piece::Corner { corner, depth, quarter } => self.corner_quartic(face, corner, depth, quarter),
-            Piece::Vertex { corner } => vertex_quartic(surface, HalfedgeId::of(face, usize::from(corner))),
+    /// The limit of corner `i`, which the points of its block are relative to.
+    #[inline(always)]
+    fn limit(&self, i: usize) -> L::Vector {
+        self.stored(self.corners[i].block)
+    }
+
+    /// The vertex at corner `i`, relative to its limit.
+    #[inline(always)]
+    fn vertex(&self, i: usize) -> L::Vector {
+        self.stored(self.corners[i].block + 1)
+    }
+
+    /// The midpoint of the edge from corner `i` to the next, relative to the corner's limit.
+    #[inline(always)]
+    fn edge(&self, i: usize) -> L::Vector {
+        self.stored(self.corners[i].block + 2 + self.corners[i].first)
+    }
+
+    /// The control points of the middle quarter. Its coordinates are turned by half a turn.
+    #[inline(always)]
+    fn middle(&self) -> Net<L::Vector> {
+        let [la, lb, lc] = [self.limit(0), self.limit(1), self.limit(2)];
+        let [a, b, c] = [self.vertex(0) + la, self.vertex(1) + lb, self.vertex(2) + lc];
+        let [ab, bc, ca] = [self.edge(0) + la, self.edge(1) + lb, self.edge(2) + lc];
+        let [a3, b3] = self.beside(0, ab, (a, la, ca), (b, lb, bc));
+        let [b1, c1] = self.beside(1, bc, (b, lb, ab), (c, lc, ca));
+        let [c2, a2] = self.beside(2, ca, (c, lc, bc), (a, la, ab));
+        [bc, ca, ab, c, a, b, b1, c1, c2, a2, a3, b3]
+    }
+
+    /// The midpoints of the two edges of the face across edge `i`, from its far corner to corner `i`
+    /// and to the next. `mid` is the midpoint of edge `i`; `from` and `to` are its ends, each with
+    /// its limit and the midpoint of the face's edge that goes on from there.
+    #[inline(always)]
+    fn beside(
+        &self,
+        i: usize,
+        mid: L::Vector,
+        from: (L::Vector, L::Vector, L::Vector),
+        to: (L::Vector, L::Vector, L::Vector),
+    ) -> [L::Vector; 2] {
+        match self.corners[i].before {
+            NONE => [reflect(mid, from.0, from.2), reflect(mid, to.0, to.2)],
+            before => [self.stored(self.corners[(i + 1) % 3].after) + from.1, self.stored(before) + to.1],
         }
     }
 
-    fn corner_quartic(&mut self, face: FaceId, corner: u8, depth: u8, quarter: u8) -> Quartic {
-        if self.face != Some(face) {
-            self.fans.iter_mut().for_each(|f| f.depth = None);
-            self.face = Some(face);
-        }
-        let around = &mut self.fans[usize::from(corner)];
-        let mut level = match around.depth {
-            Some(level) if level <= depth => level,
-            _ => {
-                around.limit = self.surface.fan(HalfedgeId::of(face, usize::from(corner)), &mut around.fan);
-                0
-            }
+    /// Makes `pieces` those around corner `i`, at depth 0.
+    #[inline(always)]
+    fn corner(&self, i: usize, pieces: &mut CornerPieces<L::Vector>) {
+        let FinerCorner { rule, block, valence, first, before, after } = self.corners[i];
+        let (next, last) = if i == 0 {
+            (1, 2)
+        } else if i == 1 {
+            (2, 0)
+        } else {
+            (0, 1)
         };
-        while level < depth {
-            around.fan.step(&mut self.spare);
-            level += 1;
+        let (limit, centre) = (self.limit(i), self.vertex(i));
+        let (block, k) = (block as usize, valence as usize);
+        let ring = pieces.begin(k, centre);
+        for (point, stored) in ring.iter_mut().zip(&self.surface.finer[block + 2..block + 2 + k]) {
+            *point = self.load.load_padded(stored);
         }
-        around.depth = Some(level);
-        let mut quartic = Quartic::new(&around.fan.quarter(Piece::QUARTERS[usize::from(quarter)]));
-        quartic.coefficients[0] += around.limit;
-        quartic
+        // From the other corners' limits to this one's.
+        let (of_next, of_last) = (self.limit(next) - limit, self.limit(last) - limit);
+        let (x, y, w) = (self.edge(next) + of_next, self.vertex(next) + of_next, self.vertex(last) + of_last);
+        let z = if before == NONE { reflect(self.edge(i), y, x) } else { self.stored(before) + of_next };
+        // The corner's second edge is the face's last.
+        let u = if after == NONE { reflect(self.edge(last) + of_last, w, x) } else { self.stored(after) + of_last };
+        (pieces.rule, pieces.first, pieces.limit) = (rule, first as usize, limit);
+        (pieces.centre, pieces.outer) = (centre, [z, y, x, w, u]);
+        pieces.weight = self.surface.topology.mask(k).step;
+        pieces.find_near();
+        pieces.descend();
+    }
+}
+
+/// Reads the polynomials of faces and their pieces, calculating with the vectors of `L`.
+#[derive(Clone, Copy, Debug)]
+pub struct PatchReader<'a, L = AsStored> {
+    surface: &'a PlainLoop,
+    load: L,
+}
+
+impl<'a, L: Load> PatchReader<'a, L> {
+    /// A reader of `surface`.
+    pub const fn new(surface: &'a PlainLoop, load: L) -> Self {
+        Self { surface, load }
     }
 
+    /// The polynomial of a regular face.
+    #[inline(always)]
+    pub fn whole(&self, face: FaceId) -> Quartic<L::Vector> {
+        Quartic::new(&RegularNet { surface: self.surface, load: self.load }.of(face))
+    }
+
+    /// The polynomial of the middle quarter of a face that is not regular, turned by half a turn: its
+    /// origin is the middle of the edge opposite to the first corner.
+    #[inline(always)]
+    pub fn middle(&self, face: FaceId) -> Quartic<L::Vector> {
+        Quartic::new(&self.finer(face).middle())
+    }
+
+    /// Scratch for [`Self::corner`].
+    pub fn scratch(&self) -> CornerPieces<L::Vector> {
+        CornerPieces::new(self.vector(DVec3::ZERO))
+    }
+
+    /// Makes `pieces` those around a corner of a face that is not regular, at depth 0.
+    #[inline(always)]
+    pub fn corner(&self, face: FaceId, corner: u8, pieces: &mut CornerPieces<L::Vector>) {
+        self.finer(face).corner(usize::from(corner), pieces);
+    }
+
+    #[inline(always)]
+    fn finer(&self, face: FaceId) -> FinerNet<'a, L> {
+        let corners = self.surface.topology.finer_corners(face);
+        FinerNet { surface: self.surface, load: self.load, corners }
+    }
+
+    #[inline(always)]
+    fn vector(&self, v: DVec3) -> L::Vector {
+        self.load.load(v)
+    }
+
+    /// The tangent plane at a corner of a face, as a polynomial of the first degree in the corner's
+    /// coordinates.
+    #[cold]
+    pub fn tangent_plane(&self, face: FaceId, corner: u8) -> Quartic<L::Vector> {
+        let h = HalfedgeId::of(face, usize::from(corner));
+        let mut coefficients = [self.vector(DVec3::ZERO); 14];
+        coefficients[0] = self.vector(self.surface.vertex_limit(self.surface.topology.mesh().from(h)));
+        let (along, beside) = self.surface.vertex_tangents(h);
+        (coefficients[1], coefficients[5]) = (self.vector(along), self.vector(beside));
+        Quartic { coefficients }
+    }
+}
+
+impl PlainLoop {
     /// Position and first derivatives at `at`; NaN for a face that does not exist.
-    pub fn jet(&mut self, at: SurfacePoint) -> Jet {
-        let topology = self.surface.topology();
+    pub(super) fn jet_at(&self, at: SurfacePoint) -> Jet {
+        let topology = &self.topology;
         if at.face.index() >= topology.mesh().face_count() {
             return Jet { position: DVec3::NAN, ds: DVec3::NAN, dt: DVec3::NAN };
         }
@@ -215,16 +274,33 @@ impl<'a> PatchReader<'a> {
         } else {
             Place::in_irregular(at.st.x, at.st.y)
         };
-        let quartic = self.quartic(at.face, place.piece);
-        place.piece.to_face(quartic.jet(place.s, place.t))
+        let [position, ds, dt] = self.quartic(at.face, place.piece).with_derivatives(place.s, place.t);
+        let [ds, dt] = to_face(place.piece.corner(), place.piece.scale(), ds, dt);
+        Jet { position, ds, dt }
     }
-}
 
-/// The tangent plane at the vertex that `h` leaves, as a polynomial of the first degree in the
-/// corner's coordinates.
-fn vertex_quartic(surface: &PlainLoop, h: HalfedgeId) -> Quartic {
-    let mut coefficients = [DVec3::ZERO; 14];
-    coefficients[0] = surface.vertex_limit(surface.topology().mesh().from(h));
-    (coefficients[1], coefficients[5]) = surface.vertex_tangents(h);
-    Quartic { coefficients }
+    /// The polynomial of `piece` of `face`, in the piece's own coordinates; for [`Piece::Vertex`] the
+    /// tangent plane there. [`Piece::Whole`] belongs to regular faces, the others to the rest.
+    fn quartic(&self, face: FaceId, piece: Piece) -> Quartic {
+        let reader = PatchReader::new(self, AsStored);
+        match piece {
+            Piece::Whole => reader.whole(face),
+            Piece::Middle => reader.middle(face),
+            Piece::Corner { corner, depth, quarter } => {
+                let mut pieces = reader.scratch();
+                reader.corner(face, corner, &mut pieces);
+                for _ in 0..depth {
+                    pieces.descend();
+                }
+                pieces.quarter(quarter)
+            }
+            Piece::Vertex { corner } => reader.tangent_plane(face, corner),
+        }
+    }
+
+    /// The control points of a regular face; beyond borders, their phantoms. `None` where
+    /// [`PlainTopology::is_regular`](super::PlainTopology::is_regular) says no.
+    pub fn regular_net(&self, face: FaceId) -> Option<Net> {
+        self.topology.is_regular(face).then(|| RegularNet { surface: self, load: AsStored }.of(face))
+    }
 }

@@ -1,15 +1,12 @@
 //! Where in a face a point lies, as a regular piece and a place in it.
 
-use glam::DVec3;
-
-use super::fan::Quarter;
-use crate::evaluate::Jet;
+use crate::subdivision::boxspline::Vector;
 
 /// How often a face is quartered towards a vertex at most. What is left there is the limit of the
 /// vertex: around it the surface is smaller than the control mesh by the largest eigenvalue below
 /// one of any Loop vertex, 5/8, for each level, and `(5/8)^84 < 2^-56` vanishes beside the rounding of
 /// the position itself.
-pub(super) const DEEPEST: u32 = 84;
+pub const DEEPEST: u8 = 84;
 
 /// A part of a face over which the surface is one polynomial, or a single vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,9 +20,9 @@ pub enum Piece {
     Corner {
         /// 0, 1 or 2.
         corner: u8,
-        /// At least 0.
+        /// At least 0, below [`DEEPEST`].
         depth: u8,
-        /// Which quarter: 0 and 1 at the ends of the two spokes, 2 between.
+        /// Which quarter: 0 and 1 next to the corner's two edges, 2 between.
         quarter: u8,
     },
     /// The vertex at a corner of the face.
@@ -36,33 +33,8 @@ pub enum Piece {
 }
 
 impl Piece {
-    /// Orders the pieces of one face so that each is reached from those before it in few steps.
-    #[inline]
-    pub const fn rank(self) -> u32 {
-        match self {
-            Self::Whole => 0,
-            Self::Middle => 1,
-            Self::Vertex { corner } => 2 + corner as u32,
-            Self::Corner { corner, depth, quarter } => 5 + 9 * depth as u32 + 3 * corner as u32 + quarter as u32,
-        }
-    }
-
-    /// The piece of this rank.
-    #[inline]
-    pub const fn of_rank(rank: u32) -> Self {
-        match rank {
-            0 => Self::Whole,
-            1 => Self::Middle,
-            2..=4 => Self::Vertex { corner: rank as u8 - 2 },
-            _ => {
-                let (depth, place) = ((rank - 5) / 9, (rank - 5) % 9);
-                Self::Corner { corner: (place / 3) as u8, depth: depth as u8, quarter: (place % 3) as u8 }
-            }
-        }
-    }
-
     /// The corner whose coordinates this piece's follow.
-    #[inline]
+    #[inline(always)]
     pub const fn corner(self) -> u8 {
         match self {
             Self::Corner { corner, .. } | Self::Vertex { corner } => corner,
@@ -72,8 +44,8 @@ impl Piece {
 
     /// How much faster this piece's coordinates run than the corner's: a power of two, negative where
     /// the piece is turned by half a turn.
-    #[inline]
-    pub fn scale(self) -> f64 {
+    #[inline(always)]
+    pub const fn scale(self) -> f64 {
         match self {
             Self::Whole | Self::Vertex { .. } => 1.0,
             Self::Middle => -2.0,
@@ -84,8 +56,18 @@ impl Piece {
             }
         }
     }
+}
 
-    pub(super) const QUARTERS: [Quarter; 3] = [Quarter::First, Quarter::Second, Quarter::Middle];
+/// Derivatives by a face's coordinates from those by coordinates that run from `corner` towards the
+/// next corner (`a`) and the one after (`b`), `scale` times as fast.
+#[inline(always)]
+pub fn to_face<V: Vector>(corner: u8, scale: f64, a: V, b: V) -> [V; 2] {
+    let (a, b) = (a * scale, b * scale);
+    match corner {
+        0 => [a, b],
+        1 => [b * -1.0, a - b],
+        _ => [b - a, a * -1.0],
+    }
 }
 
 /// A place in a piece.
@@ -101,18 +83,47 @@ pub struct Place {
 
 /// Puts `(s, t)` into the unit triangle. What is not a number becomes 0.
 #[inline(always)]
-pub(super) fn clamp(s: f64, t: f64) -> (f64, f64) {
-    let (s, t) = (s.max(0.0), t.max(0.0));
+pub fn clamp(s: f64, t: f64) -> (f64, f64) {
+    if s >= 0.0 && t >= 0.0 && s + t <= 1.0 { (s, t) } else { clamp_outside(s, t) }
+}
+
+#[cold]
+fn clamp_outside(s: f64, t: f64) -> (f64, f64) {
+    // The maximum with a NaN is the other number. Past 1 a coordinate's size no longer matters.
+    let (s, t) = (s.max(0.0).min(2.0), t.max(0.0).min(2.0));
     let sum = s + t;
-    if sum <= 1.0 {
-        (s, t)
-    } else if sum.is_finite() {
-        (s / sum, t / sum)
-    } else {
-        // Infinity or overflow: the far edge, shared between those that are too large.
-        let (s, t) = (s.min(1.0), t.min(1.0));
-        (s / (s + t), t / (s + t))
-    }
+    if sum <= 1.0 { (s, t) } else { (s / sum, t / sum) }
+}
+
+/// Which quarter of a face that is not regular holds `(s, t)`: the corner's number, or 3 for the
+/// middle; and the weights of the two corners after that corner, or `(s, t)` again.
+#[inline(always)]
+pub fn quarter_of_face(s: f64, t: f64) -> (u8, f64, f64) {
+    // Exact, or off by one rounding of a number no larger than the distance to the corner.
+    let r = 1.0 - s - t;
+    let r = r.max(0.0);
+    let (second, third, first) = (u8::from(s > 0.5), u8::from(t > 0.5), u8::from(s + t < 0.5));
+    // Looked up instead of branched to: the quarters of random places cannot be foreseen. At most one
+    // of the three is 1.
+    let quarter = 3 - 2 * second - third - 3 * first;
+    let weights = [r, s, t, r, s, t];
+    (quarter, weights[usize::from(quarter) + 1], weights[usize::from(quarter) + 2])
+}
+
+/// Which quarter next to a corner holds the place with weights `a` and `b`, together in (1/2, 1].
+#[inline(always)]
+pub fn quarter_of_corner(a: f64, b: f64) -> u8 {
+    // 0 beside the first edge, 1 beside the second, 2 between.
+    2_u8.saturating_sub(2 * u8::from(a > 0.5) + u8::from(b > 0.5))
+}
+
+/// The coordinates in quarter `quarter` of what has weights `a` and `b` at the corner, and how much
+/// faster they run than those weights.
+#[inline(always)]
+pub fn in_quarter(quarter: u8, a: f64, b: f64) -> (f64, f64, f64) {
+    const TURN: [(f64, f64, f64); 3] = [(2.0, -1.0, 0.0), (2.0, 0.0, -1.0), (-2.0, 1.0, 1.0)];
+    let (turn, s, t) = TURN[usize::from(quarter)];
+    (a * turn + s, b * turn + t, turn)
 }
 
 impl Place {
@@ -127,61 +138,21 @@ impl Place {
     ///
     /// All differences are exact or of one rounding of `1 - s - t`, so a point as near to a corner
     /// as its coordinates can say is found in a piece of its own size.
-    #[inline(always)]
     pub fn in_irregular(s: f64, t: f64) -> Self {
         let (s, t) = clamp(s, t);
-        let r = 1.0 - s - t;
-        if s > 0.5 {
-            Self::around(1, t, r)
-        } else if t > 0.5 {
-            Self::around(2, r, s)
-        } else if s + t < 0.5 {
-            Self::around(0, s, t)
-        } else {
-            Self { piece: Piece::Middle, s: 1.0 - 2.0 * s, t: 1.0 - 2.0 * t }
+        let (corner, a, b) = quarter_of_face(s, t);
+        if corner == 3 {
+            return Self { piece: Piece::Middle, s: 1.0 - 2.0 * s, t: 1.0 - 2.0 * t };
         }
-    }
-
-    /// The place with weights `a` and `b`, together at most 1/2, on the two corners after `corner`.
-    #[inline(always)]
-    fn around(corner: u8, a: f64, b: f64) -> Self {
-        let (mut a, mut b) = (2.0 * a.max(0.0), 2.0 * b.max(0.0));
-        let mut depth = 0;
-        while a + b <= 0.5 {
-            if depth == DEEPEST {
-                return Self { piece: Piece::Vertex { corner }, s: 0.0, t: 0.0 };
+        let (mut a, mut b) = (2.0 * a, 2.0 * b);
+        for depth in 0..DEEPEST {
+            if a + b > 0.5 {
+                let quarter = quarter_of_corner(a, b);
+                let (s, t, _) = in_quarter(quarter, a, b);
+                return Self { piece: Piece::Corner { corner, depth, quarter }, s, t };
             }
             (a, b) = (2.0 * a, 2.0 * b);
-            depth += 1;
         }
-        let piece = |quarter| Piece::Corner { corner, depth: depth as u8, quarter };
-        if a > 0.5 {
-            Self { piece: piece(0), s: 2.0 * a - 1.0, t: 2.0 * b }
-        } else if b > 0.5 {
-            Self { piece: piece(1), s: 2.0 * a, t: 2.0 * b - 1.0 }
-        } else {
-            Self { piece: piece(2), s: 1.0 - 2.0 * a, t: 1.0 - 2.0 * b }
-        }
-    }
-}
-
-impl Piece {
-    /// Derivatives by the face's coordinates from those by the piece's own.
-    #[inline(always)]
-    pub fn to_face(self, jet: Jet) -> Jet {
-        let scale = self.scale();
-        let (ds, dt) = turn(self.corner(), jet.ds * scale, jet.dt * scale);
-        Jet { position: jet.position, ds, dt }
-    }
-}
-
-/// Derivatives by the face's `s` and `t` from those from `corner` towards the next corner (`a`) and
-/// the one after (`b`).
-#[inline(always)]
-pub(super) fn turn(corner: u8, a: DVec3, b: DVec3) -> (DVec3, DVec3) {
-    match corner {
-        0 => (a, b),
-        1 => (-b, a - b),
-        _ => (b - a, -a),
+        Self { piece: Piece::Vertex { corner }, s: 0.0, t: 0.0 }
     }
 }

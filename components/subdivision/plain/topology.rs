@@ -1,10 +1,11 @@
 //! Which rule acts at each vertex, and which faces one polynomial covers.
 
+use core::ops::Range;
 use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::mesh::{Connectivity, FaceId, VertexId};
+use crate::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
 use crate::subdivision::masks;
 
 /// What subdivision does with a vertex.
@@ -36,6 +37,14 @@ pub enum PlainError {
         /// The declared corner.
         vertex: VertexId,
     },
+    /// There are more irregular faces than 32 bits can number the surroundings of.
+    #[error("{points} points around the irregular faces of {faces}; 32 bits number them")]
+    TooLarge {
+        /// How many faces the mesh has.
+        faces: usize,
+        /// How many points would be needed.
+        points: u64,
+    },
     /// There is not exactly one control point for each vertex.
     #[error("{points} control points for {vertices} vertices")]
     PointCount {
@@ -60,11 +69,13 @@ pub enum PlainError {
 pub struct PlainTopology {
     mesh: Arc<Connectivity>,
     rules: Vec<VertexRule>,
-    /// For each face: does one [`Quartic`](super::super::boxspline::Quartic) cover it?
-    regular: Vec<bool>,
-    /// For each vertex: is it a corner of a face that is not regular? Around these the surface
-    /// keeps the points of one subdivision step.
-    stepped: Vec<bool>,
+    /// For each face its place in `corners`; [`NONE`] for a regular one.
+    irregular: Vec<u32>,
+    /// The corners of faces that are not regular.
+    corners: Vec<[FinerCorner; 3]>,
+    /// For each vertex where the block of its finer points begins, and the end of the last. Vertices
+    /// that only regular faces touch have none.
+    blocks: Vec<u32>,
     /// For each valence up to the largest: the masks of an interior vertex.
     masks: Vec<InteriorMask>,
 }
@@ -76,11 +87,32 @@ pub(super) struct InteriorMask {
     pub limit: f64,
 }
 
+/// Where the finer points around a corner of a face that is not regular are kept: in the blocks of
+/// the face's own corners.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FinerCorner {
+    pub rule: VertexRule,
+    /// The corner's own block: its limit, itself, then its ring.
+    pub block: u32,
+    pub valence: u32,
+    /// The place in the ring of the midpoint of the edge to the face's next corner.
+    pub first: u32,
+    /// The midpoint of the edge from the next corner to the far vertex across the edge between;
+    /// [`NONE`] across a border.
+    pub before: u32,
+    /// The midpoint of the edge from the corner after next to the far vertex across the edge
+    /// between; [`NONE`] across a border.
+    pub after: u32,
+}
+
+/// No such place.
+pub(super) const NONE: u32 = u32::MAX;
+
 impl PlainTopology {
     /// Classifies the vertices and faces of `mesh`. Border vertices are smooth but for `corners`.
     ///
     /// # Errors
-    /// [`PlainError::NoSuchCorner`] and [`PlainError::CornerInside`].
+    /// [`PlainError::NoSuchCorner`], [`PlainError::CornerInside`], [`PlainError::TooLarge`].
     pub fn new(mesh: Arc<Connectivity>, corners: &[VertexId]) -> Result<Self, PlainError> {
         let rules = vertex_rules(&mesh, corners)?;
         let is_regular = |v: VertexId| match rules[v.index()] {
@@ -88,15 +120,19 @@ impl PlainTopology {
             VertexRule::Border => mesh.valence(v) == 4,
             VertexRule::Corner => mesh.valence(v) == 2,
         };
-        let regular: Vec<bool> = mesh.faces().iter().map(|f| f.iter().all(|&v| is_regular(v))).collect();
-        let mut stepped = vec![false; mesh.vertex_count()];
-        for (corners, _) in mesh.faces().iter().zip(&regular).filter(|(_, r)| !**r) {
-            for v in corners {
-                stepped[v.index()] = true;
+        let mut count = 0;
+        let place = |f: &[VertexId; 3]| {
+            if f.iter().all(|&v| is_regular(v)) {
+                return NONE;
             }
-        }
+            count += 1;
+            count - 1
+        };
+        let irregular: Vec<u32> = mesh.faces().iter().map(place).collect();
+        let blocks = blocks(&mesh, &rules, &irregular)?;
+        let corners = finer_corners(&mesh, &rules, &irregular, &blocks);
         let masks = interior_masks(&mesh);
-        Ok(Self { mesh, rules, regular, stepped, masks })
+        Ok(Self { mesh, rules, irregular, corners, blocks, masks })
     }
 
     /// The faces.
@@ -114,13 +150,30 @@ impl PlainTopology {
     /// valence 6, a smooth border vertex of valence 4 or a declared corner of valence 2.
     #[inline]
     pub fn is_regular(&self, face: FaceId) -> bool {
-        self.regular[face.index()]
+        self.irregular[face.index()] == NONE
     }
 
-    /// Does a face that is not regular touch `v`?
-    #[inline]
-    pub(super) fn is_stepped(&self, v: VertexId) -> bool {
-        self.stepped[v.index()]
+    /// How many faces are not regular.
+    pub fn irregular_count(&self) -> usize {
+        self.corners.len()
+    }
+
+    /// The corners of a face that is not regular.
+    #[inline(always)]
+    pub(super) fn finer_corners(&self, face: FaceId) -> &[FinerCorner; 3] {
+        &self.corners[self.irregular[face.index()] as usize]
+    }
+
+    /// The places of what surrounds `v` one step finer: its limit, `v` itself, then the midpoints of its
+    /// edges in the order of its ring; around an interior vertex the first of them once more.
+    #[inline(always)]
+    pub(super) fn block(&self, v: VertexId) -> Range<usize> {
+        self.blocks[v.index()] as usize..self.blocks[v.index() + 1] as usize
+    }
+
+    /// How many finer points are kept.
+    pub(super) fn finer_count(&self) -> usize {
+        self.blocks.last().map_or(0, |&end| end as usize)
     }
 
     /// The masks of an interior vertex of `valence`, which must occur in the mesh.
@@ -157,4 +210,53 @@ fn interior_masks(mesh: &Connectivity) -> Vec<InteriorMask> {
         }
     }
     masks
+}
+
+/// Blocks for the corners of all faces that are not regular.
+fn blocks(mesh: &Connectivity, rules: &[VertexRule], irregular: &[u32]) -> Result<Vec<u32>, PlainError> {
+    let mut size = vec![0_u32; mesh.vertex_count() + 1];
+    for (corners, _) in mesh.faces().iter().zip(irregular).filter(|(_, place)| **place != NONE) {
+        for v in corners {
+            let closing = u32::from(rules[v.index()] == VertexRule::Interior);
+            size[v.index() + 1] = 2 + mesh.valence(*v) + closing;
+        }
+    }
+    let total: u64 = size.iter().map(|&s| u64::from(s)).sum();
+    if total >= u64::from(NONE) {
+        return Err(PlainError::TooLarge { faces: mesh.face_count(), points: total });
+    }
+    for v in 1..size.len() {
+        size[v] += size[v - 1];
+    }
+    Ok(size)
+}
+
+fn finer_corners(
+    mesh: &Connectivity,
+    rules: &[VertexRule],
+    irregular: &[u32],
+    blocks: &[u32],
+) -> Vec<[FinerCorner; 3]> {
+    // For each half-edge that leaves a vertex with a block: the place of its edge's midpoint there.
+    let mut slots = vec![NONE; 3 * mesh.face_count()];
+    for v in (0..mesh.vertex_count()).filter(|&v| blocks[v] < blocks[v + 1]) {
+        for (slot, h) in (blocks[v] + 2..).zip(mesh.ring(VertexId::new(v))) {
+            slots[h.index()] = slot;
+        }
+    }
+    let corner = |h: HalfedgeId| {
+        let v = mesh.from(h);
+        FinerCorner {
+            rule: rules[v.index()],
+            block: blocks[v.index()],
+            valence: mesh.valence(v),
+            first: slots[h.index()] - blocks[v.index()] - 2,
+            // The one after the twin, which leaves the next corner, in the ring there; a closed ring
+            // ends with its first point again.
+            before: mesh.twin(h).map_or(NONE, |twin| slots[twin.index()] + 1),
+            after: mesh.twin(h.previous()).map_or(NONE, |twin| slots[twin.next().index()]),
+        }
+    };
+    let faces = (0..mesh.face_count()).filter(|&f| irregular[f] != NONE).map(FaceId::new);
+    faces.map(|f| [0, 1, 2].map(|i| corner(HalfedgeId::of(f, i)))).collect()
 }

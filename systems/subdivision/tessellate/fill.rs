@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use glam::DVec3;
 use selvedge_components::mesh::{Connectivity, EdgeId, FaceId, HalfedgeId, VertexId};
-use selvedge_components::subdivision::plain::{PatchReader, Piece};
+use selvedge_components::subdivision::boxspline::Quartic;
+use selvedge_components::subdivision::plain::{AsStored, CornerPieces, PatchReader};
 use selvedge_components::subdivision::{Lattice, PlainLoop};
 
 use super::grid::{Grid, Part};
@@ -80,6 +81,7 @@ struct Block<'a> {
 /// Scratch of one block.
 struct Scratch<'a> {
     reader: PatchReader<'a>,
+    pieces: CornerPieces<DVec3>,
     run: Vec<DVec3>,
     /// The whole lattice of one face.
     face: Vec<DVec3>,
@@ -137,7 +139,8 @@ impl<S: Sample> Pass<'_, S> {
     }
 
     fn scratch(&self) -> Scratch<'_> {
-        Scratch { reader: PatchReader::new(self.surface), run: Vec::new(), face: Vec::new() }
+        let reader = PatchReader::new(self.surface, AsStored);
+        Scratch { reader, pieces: reader.scratch(), run: Vec::new(), face: Vec::new() }
     }
 
     fn fill_block(&self, block: Block<'_>) {
@@ -188,16 +191,21 @@ impl<S: Sample> Pass<'_, S> {
         let n = self.lattice.steps() as u32;
         scratch.face.resize(self.row(n as usize) + 1, DVec3::ZERO);
         let half = n / 2;
-        self.sample_piece(face, Piece::Middle, &self.grids.middle, scratch, |a, b| (half - a, half - b));
-        for (depth, [along, between]) in self.grids.corners.iter().enumerate() {
-            let size = n >> (depth + 2);
-            for corner in 0..3 {
-                let piece = |quarter| Piece::Corner { corner, depth: depth as u8, quarter };
-                let place = |a: u32, b: u32| from_corner(n, corner, a, b);
-                self.sample_piece(face, piece(0), along, scratch, |a, b| place(size + a, b));
-                self.sample_piece(face, piece(1), along, scratch, |a, b| place(a, size + b));
+        let middle = scratch.reader.middle(face);
+        self.sample_piece(&middle, &self.grids.middle, scratch, |a, b| (half - a, half - b));
+        for corner in 0..3 {
+            scratch.reader.corner(face, corner, &mut scratch.pieces);
+            let place = |a: u32, b: u32| from_corner(n, corner, a, b);
+            for (depth, [along, between]) in self.grids.corners.iter().enumerate() {
+                let size = n >> (depth + 2);
+                if depth > 0 {
+                    scratch.pieces.descend();
+                }
+                let [first, second, third] = [0, 1, 2].map(|quarter| scratch.pieces.quarter(quarter));
+                self.sample_piece(&first, along, scratch, |a, b| place(size + a, b));
+                self.sample_piece(&second, along, scratch, |a, b| place(a, size + b));
                 if size > 1 {
-                    self.sample_piece(face, piece(2), between, scratch, |a, b| place(size - a, size - b));
+                    self.sample_piece(&third, between, scratch, |a, b| place(size - a, size - b));
                 }
             }
         }
@@ -205,14 +213,13 @@ impl<S: Sample> Pass<'_, S> {
 
     fn sample_piece(
         &self,
-        face: FaceId,
-        piece: Piece,
+        quartic: &Quartic,
         grid: &Grid,
         scratch: &mut Scratch<'_>,
         place: impl Fn(u32, u32) -> (u32, u32),
     ) {
         scratch.run.resize(grid.lattice.len(), DVec3::ZERO);
-        self.sample.piece(&scratch.reader.quartic(face, piece), grid, &mut scratch.run);
+        self.sample.piece(quartic, grid, &mut scratch.run);
         for (&(a, b), &value) in grid.lattice.iter().zip(&scratch.run) {
             let (i, j) = place(a, b);
             scratch.face[self.row(i as usize) + j as usize] = value;
@@ -226,8 +233,8 @@ impl<S: Sample> Pass<'_, S> {
     }
 
     fn fill_inside(&self, face: FaceId, scratch: &mut Scratch<'_>, out: &mut [DVec3]) {
-        if let Some(quartic) = self.surface.quartic(face) {
-            return self.sample.piece(&quartic, &self.grids.inside, out);
+        if let Some(net) = self.surface.regular_net(face) {
+            return self.sample.piece(&Quartic::new(&net), &self.grids.inside, out);
         }
         let (n, mut rest) = (self.lattice.steps(), out);
         for i in 1..n - 1 {
@@ -241,8 +248,8 @@ impl<S: Sample> Pass<'_, S> {
     /// Writes the points inside the edge of `h`, from its end with the smaller vertex id on.
     fn fill_edge(&self, h: HalfedgeId, scratch: &mut Scratch<'_>, out: &mut [DVec3]) {
         let grid = &self.grids.edges[h.corner()];
-        if let Some(quartic) = self.surface.quartic(h.face()) {
-            self.sample.piece(&quartic, grid, out);
+        if let Some(net) = self.surface.regular_net(h.face()) {
+            self.sample.piece(&Quartic::new(&net), grid, out);
         } else {
             for (value, &(i, j)) in out.iter_mut().zip(&grid.lattice) {
                 *value = scratch.face[self.row(i as usize) + j as usize];

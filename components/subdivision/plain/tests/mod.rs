@@ -4,6 +4,7 @@ mod oracle;
 use std::sync::Arc;
 
 use super::*;
+use crate::mesh::FaceId;
 use meshes::{Cage, Random, bipyramid, zoo};
 use oracle::Naive;
 
