@@ -90,7 +90,8 @@ pub fn clamp(s: f64, t: f64) -> (f64, f64) {
 #[cold]
 fn clamp_outside(s: f64, t: f64) -> (f64, f64) {
     // The maximum with a NaN is the other number. Past 1 a coordinate's size no longer matters.
-    let (s, t) = (s.max(0.0).min(2.0), t.max(0.0).min(2.0));
+    let within = |x: f64| if x.is_nan() { 0.0 } else { x.clamp(0.0, 2.0) };
+    let (s, t) = (within(s), within(t));
     let sum = s + t;
     if sum <= 1.0 { (s, t) } else { (s / sum, t / sum) }
 }
