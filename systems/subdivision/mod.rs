@@ -17,3 +17,12 @@ mod system;
 pub mod tessellate;
 
 pub use system::{correspond_fits, modify_fits, refine_fits};
+
+#[cfg(test)]
+use selvedge_components::mesh::Connectivity;
+
+/// Meshes of all kinds, the ones that evaluation at a point is tested on.
+#[cfg(test)]
+#[path = "../../components/subdivision/plain/tests/meshes.rs"]
+#[allow(dead_code, reason = "each test uses its own part")]
+mod test_meshes;

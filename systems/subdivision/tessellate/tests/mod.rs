@@ -1,6 +1,4 @@
-#[path = "../../../../components/subdivision/plain/tests/meshes.rs"]
-#[allow(dead_code, reason = "shared with tests that use the rest")]
-mod meshes;
+use crate::subdivision::test_meshes as meshes;
 
 use std::sync::Arc;
 
