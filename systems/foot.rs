@@ -5,12 +5,43 @@ use selvedge_components::mesh::{Connectivity, HalfedgeId};
 
 use glam::DVec3;
 
-/// The distance of `y` to the surface near `start`, from above: the least that Gauss-Newton steps
-/// meet before it is `enough`. `mesh` says how the faces of the surface hang together.
+/// Other places on a triangle, as the weights of its corners, from which to look for a foot: its
+/// corners, the middles of its edges, its centre.
+pub const AROUND: [[f64; 3]; 7] = [
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [0.5, 0.5, 0.0],
+    [0.0, 0.5, 0.5],
+    [0.5, 0.0, 0.5],
+    [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
+];
+
+/// The distance of `y` to the surface, from above: the least that is met from any of `starts`, in
+/// turn, before it is `enough`. `mesh` says how the faces of the surface hang together.
+pub fn distance(
+    surface: &dyn Evaluate,
+    mesh: &Connectivity,
+    starts: impl IntoIterator<Item = SurfacePoint>,
+    y: DVec3,
+    enough: f64,
+) -> f64 {
+    let mut least = f64::INFINITY;
+    for start in starts {
+        let found = distance_from(surface, mesh, start, y, enough);
+        least = if found.is_nan() { found } else { least.min(found) };
+        if least.is_nan() || least <= enough {
+            break;
+        }
+    }
+    least
+}
+
+/// The least distance that Gauss-Newton steps from `start` meet before it is `enough`.
 ///
 /// From a start as close as a triangle that stands for the surface, each step squares the relative
 /// error. A dozen in all is far more than that takes, walks over edges included.
-pub fn distance(surface: &dyn Evaluate, mesh: &Connectivity, start: SurfacePoint, y: DVec3, enough: f64) -> f64 {
+fn distance_from(surface: &dyn Evaluate, mesh: &Connectivity, start: SurfacePoint, y: DVec3, enough: f64) -> f64 {
     let mut at = start;
     let mut least = f64::INFINITY;
     let mut misses = 0;

@@ -204,7 +204,7 @@ pub const STAGES: &[StageContract] = &[
         set: "SelvedgeSystems::Audit",
         system: Some("audit_surfaces"),
         does: "measures new triangles by other means than those that made them, where that is asked for",
-        reads: &["AuditOptions", "Snapshot", "Triangles", "Triangulated"],
+        reads: &["AuditOptions", "Snapshot", "Triangles", "Triangulated", "TriangulationFailed"],
         writes: &["GroundDiagnostics"],
         inserts: &["AuditReport"],
         removes: &[],

@@ -113,9 +113,24 @@ impl Probe<'_> {
         Measured {
             to_triangles: squared.sqrt(),
             to_triangles_at: x,
-            to_surface: foot::distance(self.limit, &against.surface.mesh, at, y, 0.0),
+            to_surface: self.to_surface(against, at, y),
             to_surface_at: y,
             samples: 2,
+        }
+    }
+}
+
+impl Probe<'_> {
+    /// From above: where the surface is rough the first foot found may not be the nearest, so one that
+    /// is too far is looked for from other places too.
+    fn to_surface(&self, against: &Audit<'_>, at: SurfacePoint, y: DVec3) -> f64 {
+        let foot = |starts: &[SurfacePoint], enough: f64| {
+            foot::distance(self.limit, &against.surface.mesh, starts.iter().copied(), y, enough)
+        };
+        let first = foot(&[at], 0.0);
+        match against.chord {
+            Some(chord) if first > chord => first.min(foot(&foot::AROUND.map(|b| self.place.at(b)), chord)),
+            _ => first,
         }
     }
 }

@@ -175,6 +175,3 @@ fn judge_coincident(triangles: &Triangles, found: &mut Vec<AuditFault>) {
         found.push(AuditFault::Coincident { first, second, at: triangles.positions[first.index()] });
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use selvedge_components::guard::caught;
 use selvedge_components::subdivision::Snapshot;
 use selvedge_components::triangles::Triangles;
-use selvedge_components::triangulation::Triangulated;
+use selvedge_components::triangulation::{Triangulated, TriangulationFailed};
 
 use super::{AuditFault, AuditOptions, AuditReport, audit_result};
 use crate::diagnostics::{Counters, GroundDiagnostics};
@@ -17,13 +17,13 @@ type Asked = (Entity, &'static Snapshot, &'static Triangles, &'static Triangulat
 /// Audits the triangles of every surface that asks for it, once for each time they are made.
 pub fn audit_surfaces(
     mut commands: Commands,
-    surfaces: Query<Asked, Stale>,
+    surfaces: Query<Asked, (Stale, Without<TriangulationFailed>)>,
     diagnostics: Option<ResMut<GroundDiagnostics>>,
 ) {
     let mut run = Counters::start();
     let mut due: Vec<_> = surfaces
         .iter()
-        // Triangles that were left from before the surface became another one say nothing about it.
+        // Triangles left from before a failure, or from another surface, say nothing about this one.
         .filter(|(_, snapshot, _, from, _)| snapshot.revision == from.revision)
         .map(|(entity, snapshot, triangles, from, options)| {
             (entity, snapshot, triangles, from, options, AuditReport::default())

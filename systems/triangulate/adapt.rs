@@ -85,9 +85,9 @@ fn grow(
 const SLIDE: f64 = 1.0 / 3.0;
 
 /// The squared distance of a point of the limit surface to a triangle of which the neighbours are not
-/// known yet. A point that has slid over an edge inside the surface is over a neighbour: what counts is
-/// its height. Beyond the triangle a surface that bends evenly is still measured, if
-/// against the wrong plane: that errs on the safe side. Over a border there is no neighbour.
+/// known yet. A point that has slid over an edge inside the surface is over a neighbour, and how far it
+/// slid is not how far it is off: its height counts, over this triangle's plane for want of the
+/// other's. Over a border there is no neighbour.
 fn alone(x: DVec3, corners: [DVec3; 3], borders: [bool; 3]) -> f64 {
     let close =
         |over: &Over| (0..3).all(|edge| over.weights[(edge + 2) % 3] >= if borders[edge] { 0.0 } else { -SLIDE });

@@ -12,6 +12,7 @@ use super::closure;
 use super::forest::Forest;
 use super::measure::{Over, shape, squared_to_triangle};
 use super::pyramid::{Floor, Pyramid, locate};
+use super::sample::Piece;
 use super::{Normals, Subject, TriangulateError, Triangulation, TriangulationReport};
 
 /// The triangles of a forest, and how they came about.
@@ -92,7 +93,7 @@ impl Assembly {
 
     /// The triangles of the leaf at `place` of a level: for each corner its position, and its weights
     /// on the leaf.
-    pub fn pieces(&self, level: usize, place: usize) -> Vec<[(DVec3, [f64; 3]); 3]> {
+    pub fn pieces(&self, level: usize, place: usize) -> Vec<Piece> {
         let Cut { halves, .. } = self.cuts[level][place];
         let corners = self.corners(level, place);
         let weights = |v: u32| -> [f64; 3] {

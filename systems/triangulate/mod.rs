@@ -133,6 +133,3 @@ fn within_budget(triangles: usize, options: &TriangulateOptions) -> Result<(), T
     let limit = options.most_triangles.min(1 << 29);
     if triangles > limit { Err(TriangulateError::TooManyTriangles { triangles, limit }) } else { Ok(()) }
 }
-
-#[cfg(test)]
-mod tests;

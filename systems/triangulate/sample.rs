@@ -93,31 +93,18 @@ pub fn farthest_back(
     subject: &Subject,
     pyramid: &Pyramid,
     limit: f64,
-    triangles: impl Fn(usize, usize) -> Vec<[(DVec3, [f64; 3]); 3]> + Sync,
+    triangles: impl Fn(usize, usize) -> Vec<Piece> + Sync,
 ) -> Vec<Vec<Farthest>> {
     let of_floor = |(l, floor): (usize, &Floor)| {
         map_in_order(floor.faces.len(), |place| {
-            let leaf = Leaf::new(subject, floor, floor.faces[place]);
-            let surface = leaf.surface();
-            let mut farthest = Farthest::default();
-            for triangle in triangles(l, place) {
-                for b in INSIDE {
-                    let y = (0..3).fold(DVec3::ZERO, |sum, c| sum + triangle[c].0 * b[c]);
-                    let weights = core::array::from_fn(|w| (0..3).map(|c| triangle[c].1[w] * b[c]).sum());
-                    let distance = leaf.position(&surface, weights).distance(y);
-                    let distance = if distance > limit {
-                        foot::distance(&subject.limit, &subject.surface.mesh, leaf.on_root(weights), y, limit)
-                    } else {
-                        0.0
-                    };
-                    farthest.see(y, distance * distance);
-                }
-            }
-            farthest
+            Leaf::new(subject, floor, floor.faces[place]).farthest_back(&triangles(l, place), limit)
         })
     };
     pyramid.floors.iter().enumerate().map(of_floor).collect()
 }
+
+/// A triangle on a leaf: its corners, each with its weights on the leaf.
+pub type Piece = [(DVec3, [f64; 3]); 3];
 
 /// Where a triangle is asked how far the surface is: its centre, and halfway from there to its corners
 /// and to the middles of its edges.
@@ -175,6 +162,25 @@ impl<'a> Leaf<'a> {
         }
         if let Surface::Whole = surface {
             self.moved_points(|w| see(w, self.position(&surface, w)));
+        }
+        farthest
+    }
+
+    fn farthest_back(&self, pieces: &[Piece], limit: f64) -> Farthest {
+        let surface = self.surface();
+        let mut farthest = Farthest::default();
+        for piece in pieces {
+            let on_leaf = |b: [f64; 3]| core::array::from_fn(|w| (0..3).map(|c| piece[c].1[w] * b[c]).sum());
+            for b in INSIDE {
+                let y = (0..3).fold(DVec3::ZERO, |sum, c| sum + piece[c].0 * b[c]);
+                let mut distance = self.position(&surface, on_leaf(b)).distance(y);
+                if distance > limit {
+                    let starts = core::iter::once(b).chain(foot::AROUND).map(|b| self.on_root(on_leaf(b)));
+                    let (surface, mesh) = (&self.subject.limit, &self.subject.surface.mesh);
+                    distance = foot::distance(surface, mesh, starts, y, limit);
+                }
+                farthest.see(y, if distance <= limit { 0.0 } else { distance * distance });
+            }
         }
         farthest
     }

@@ -1,0 +1,98 @@
+//! Surfaces that ask for triangles get them, once for each time that something has become different.
+
+mod support;
+
+use selvedge::audit::{AuditOptions, AuditReport};
+use selvedge::bevy_ecs::prelude::*;
+use selvedge::budget::Budgets;
+use selvedge::diagnostics::GroundDiagnostics;
+use selvedge::subdivision::Position;
+use selvedge::tolerance::Tolerance;
+use selvedge::triangles::Triangles;
+use selvedge::triangulation::{
+    Density, TriangulateError, TriangulateOptions, Triangulated, TriangulationFailed, TriangulationReport,
+};
+use selvedge_systems::triangulate::triangulate;
+use support::octant;
+use support::world::host;
+
+fn level(level: u32) -> TriangulateOptions {
+    TriangulateOptions { density: Density::Level(level), ..TriangulateOptions::default() }
+}
+
+fn made(world: &World) -> u64 {
+    world.resource::<GroundDiagnostics>().triangulate.written
+}
+
+#[test]
+fn a_surface_that_asks_gets_the_kernels_triangles_and_nobody_else() {
+    let (mut world, mut schedule) = host();
+    let source = octant("cone(1,2)");
+    let asks = selvedge::spawn_surface(&mut world, &source);
+    let does_not = selvedge::spawn_surface(&mut world, &source);
+    world.entity_mut(asks).insert((level(2), AuditOptions::default()));
+    schedule.run(&mut world);
+    let by_kernel = triangulate(&source, &level(2)).expect("a sound surface");
+    assert_eq!(world.get::<Triangles>(asks), Some(&by_kernel.triangles));
+    assert_eq!(world.get::<TriangulationReport>(asks), Some(&by_kernel.report));
+    assert!(world.get::<AuditReport>(asks).expect("it was asked for").is_sound());
+    assert!(world.get::<Triangles>(does_not).is_none() && world.get::<AuditReport>(does_not).is_none());
+}
+
+#[test]
+fn nothing_is_done_again_until_something_is_different() {
+    let (mut world, mut schedule) = host();
+    let surface = selvedge::spawn_surface(&mut world, &octant("cone(1,2)"));
+    world.entity_mut(surface).insert((level(1), AuditOptions::default()));
+    let audits = |world: &World| world.resource::<GroundDiagnostics>().audit.written;
+    let mut run = |world: &mut World| {
+        schedule.run(world);
+        (made(world), audits(world))
+    };
+    assert_eq!(run(&mut world), (1, 1));
+    assert_eq!(run(&mut world), (1, 1));
+    // Touched, but the same.
+    world.get_mut::<TriangulateOptions>(surface).expect("they are there").set_changed();
+    let inner = |world: &mut World| {
+        let mut points = world.query::<(Entity, &Position)>();
+        points.iter(world).find(|(_, p)| p.0.min_element() > 0.1).map(|(e, _)| e).expect("an interior point")
+    };
+    let point = inner(&mut world);
+    world.get_mut::<Position>(point).expect("it is there").set_changed();
+    assert_eq!(run(&mut world), (1, 1));
+    // Different.
+    world.get_mut::<Position>(point).expect("it is there").0 *= 1.01;
+    assert_eq!(run(&mut world), (2, 2));
+    world.entity_mut(surface).insert(level(2));
+    assert_eq!(run(&mut world), (3, 3));
+    world.entity_mut(surface).insert(Tolerance::total(1e-2));
+    assert_eq!(run(&mut world), (4, 4));
+    let chord = world.get::<TriangulationReport>(surface).and_then(|r| r.chord).expect("the tolerance has one");
+    assert_eq!(chord.asked, Tolerance::total(1e-2).chord);
+    // Asked again.
+    world.entity_mut(surface).remove::<Triangulated>();
+    assert_eq!(run(&mut world), (5, 5));
+    assert_eq!(run(&mut world), (5, 5));
+}
+
+#[test]
+fn a_failure_is_a_component_and_the_last_triangles_stay() {
+    let (mut world, mut schedule) = host();
+    let surface = selvedge::spawn_surface(&mut world, &octant("cone(1,1)"));
+    world.entity_mut(surface).insert((level(1), AuditOptions::default()));
+    schedule.run(&mut world);
+    let before = world.get::<Triangles>(surface).cloned().expect("they were made");
+    world.resource_mut::<Budgets>().triangles = 10;
+    schedule.run(&mut world);
+    let why = world.get::<TriangulationFailed>(surface).expect("28 triangles are more than 10");
+    assert!(matches!(why.0, TriangulateError::TooManyTriangles { limit: 10, .. }), "{why}");
+    assert_eq!(world.get::<Triangles>(surface), Some(&before));
+    // Not tried again and again; and as soon as it succeeds, the failure is gone.
+    assert_eq!(made(&world), 2);
+    schedule.run(&mut world);
+    assert_eq!(made(&world), 2);
+    world.resource_mut::<Budgets>().triangles = 100;
+    schedule.run(&mut world);
+    assert!(world.get::<TriangulationFailed>(surface).is_none());
+    assert_eq!(world.get::<AuditReport>(surface).map(AuditReport::is_sound), Some(true));
+}
