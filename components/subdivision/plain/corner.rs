@@ -8,7 +8,7 @@ use crate::subdivision::boxspline::{Net, Quartic, Vector};
 /// From the first level on every vertex but the corner itself is regular. In the lattice of the
 /// level, with the corner at (0, 0) and the face at (1, 0) and (0, 1), the control points are the
 /// corner, its ring, and five more: `(2,-1) (2,0) (1,1) (0,2) (-1,2)`. Those beyond a border are the
-/// phantoms of [`reflect`].
+/// phantoms of `reflect`.
 ///
 /// Points are relative to the corner's limit: so rounding shrinks with the neighbourhood, and
 /// differences of its points stay exact however fine it gets.

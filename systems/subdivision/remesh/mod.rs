@@ -6,7 +6,7 @@
 //!
 //! Stages, each a kernel of its own: [`preimage`] finds where the curves run, [`adapt`] makes the cage
 //! fine enough there, [`closure`] makes it conforming, [`remove`] takes away what lies on the right,
-//! [`attach`] lays a strip of triangles between the rest and each curve, [`relax`](super::relax)
+//! [`attach`] lays a strip of triangles between the rest and each curve, [`relax`]
 //! spaces its vertices, [`cleanup`] mends valences, and [`assemble`] makes a surface of it.
 //! [Litke et al. 2001, Section 3.1]
 //!
