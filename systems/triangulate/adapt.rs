@@ -9,9 +9,9 @@ use selvedge_components::subdivision::FaceCode;
 
 use super::assemble::{Assembly, assemble};
 use super::forest::Forest;
-use super::measure::{Over, squared_to_triangle};
-use super::pyramid::{Floor, Pyramid};
-use super::sample::{Farthest, Grid, farthest, farthest_back};
+use super::measure::{Facet, Over};
+use super::pyramid::Pyramid;
+use super::sample::{Farthest, Grid, LeafPlace, farthest, farthest_back, leaves};
 use super::{ChordReport, Subject, TriangulateError, TriangulateOptions, Triangulation, within_budget};
 
 /// A leaf passes where fifteen points find it closer than this part of the chord.
@@ -32,8 +32,9 @@ pub fn adapt(subject: &Subject, chord: f64, options: &TriangulateOptions) -> Res
         grow(subject, &mut forest, new, chord, options)?;
         let assembly = assemble(subject, &forest, options.normals)?;
         within_budget(assembly.triangle_count(), options)?;
-        let found = check(subject, &assembly, chord);
-        let mut too_far = failing(&assembly.pyramid, &found, chord);
+        let leaves = leaves(&assembly.pyramid);
+        let found = check(subject, &assembly, &leaves, chord);
+        let mut too_far = failing(&assembly.pyramid, &leaves, &found, chord);
         let stuck = too_far.get(options.last_level as usize).map_or(0, Vec::len);
         too_far.truncate(options.last_level as usize);
         if too_far.iter().all(Vec::is_empty) {
@@ -41,20 +42,6 @@ pub fn adapt(subject: &Subject, chord: f64, options: &TriangulateOptions) -> Res
         }
         new = forest.split(&subject.surface.mesh, &too_far);
     }
-}
-
-/// Measures the finished triangles both ways: from the surface to them, and from them to the surface.
-fn check(subject: &Subject, assembly: &Assembly, chord: f64) -> Vec<Vec<Farthest>> {
-    let around = assembly.around();
-    let pyramid = &assembly.pyramid;
-    let mut found = farthest(subject, pyramid, Grid::Ninths, |l, place| assembly.near(&around, l, place));
-    // The way back matters where it is farther than the farthest so far, or too far.
-    let most = found.iter().flatten().map(|f| f.squared).fold(0.0, f64::max).sqrt().min(chord);
-    let back = farthest_back(subject, pyramid, most, |l, place| assembly.pieces(l, place));
-    for (there, back) in found.iter_mut().flatten().zip(back.into_iter().flatten()) {
-        *there = there.or(back);
-    }
-    found
 }
 
 /// Quarters leaves until all but those of the last level pass; `new` are the ones not yet looked at.
@@ -69,14 +56,45 @@ fn grow(
         within_budget(forest.leaf_count(), options)?;
         new.truncate(options.last_level as usize);
         let pyramid = Pyramid::new(subject, &new)?;
-        let found = farthest(subject, &pyramid, Grid::Quarters, |l, place| {
+        let leaves = leaves(&pyramid);
+        let found = farthest(subject, &pyramid, &leaves, Grid::Quarters, |(l, place)| {
             let face = pyramid.floors[l].faces[place];
-            let (corners, borders) = (pyramid.corners(l, face), pyramid.floors[l].borders(face));
-            move |x| alone(x, corners, borders)
+            let (triangle, borders) = (Facet::new(pyramid.corners(l, face)), pyramid.floors[l].borders(face));
+            move |x| alone(x, &triangle, borders)
         });
-        new = forest.split(&subject.surface.mesh, &failing(&pyramid, &found, MARGIN * chord));
+        new = forest.split(&subject.surface.mesh, &failing(&pyramid, &leaves, &found, MARGIN * chord));
     }
     Ok(())
+}
+
+/// How many leaves are measured to all triangles around at a time: enough for every core.
+const AT_A_TIME: usize = 1024;
+
+/// Measures the finished triangles both ways: from the surface to them, and from them to the surface.
+///
+/// The distance to a leaf's own triangles is one from above. The leaves are gone through from the
+/// greatest down, and measured to all triangles around, until what is left can neither be too far nor
+/// be the farthest.
+fn check(subject: &Subject, assembly: &Assembly, leaves: &[LeafPlace], chord: f64) -> Vec<Farthest> {
+    let pyramid = &assembly.pyramid;
+    let mut found = farthest(subject, pyramid, leaves, Grid::Ninths, |leaf| assembly.own(leaf));
+    let mut order: Vec<usize> = (0..leaves.len()).collect();
+    order.sort_by(|&a, &b| found[b].squared.total_cmp(&found[a].squared));
+    let around = assembly.around();
+    let mut most = 0.0_f64;
+    for some in order.chunks(AT_A_TIME) {
+        if found[some[0]].squared <= most.min(chord * chord) {
+            break;
+        }
+        let some_leaves: Vec<LeafPlace> = some.iter().map(|&i| leaves[i]).collect();
+        let exact = farthest(subject, pyramid, &some_leaves, Grid::Ninths, |leaf| assembly.near(&around, leaf));
+        for (&i, exact) in some.iter().zip(exact) {
+            most = most.max(exact.squared);
+            found[i] = exact;
+        }
+    }
+    let back = farthest_back(subject, pyramid, leaves, most.sqrt().min(chord), |leaf| assembly.pieces(leaf));
+    found.into_iter().zip(back).map(|(there, back)| there.or(back)).collect()
 }
 
 /// How far a foot may slide beyond an edge, as a share of the triangle. At a vertex of valence `k`
@@ -88,27 +106,26 @@ const SLIDE: f64 = 1.0 / 3.0;
 /// known yet. A point that has slid over an edge inside the surface is over a neighbour, and how far it
 /// slid is not how far it is off: its height counts, over this triangle's plane for want of the
 /// other's. Over a border there is no neighbour.
-fn alone(x: DVec3, corners: [DVec3; 3], borders: [bool; 3]) -> f64 {
+fn alone(x: DVec3, triangle: &Facet, borders: [bool; 3]) -> f64 {
     let close =
         |over: &Over| (0..3).all(|edge| over.weights[(edge + 2) % 3] >= if borders[edge] { 0.0 } else { -SLIDE });
-    match Over::new(x, corners).filter(close) {
-        Some(over) => over.squared,
-        None => squared_to_triangle(x, corners),
+    triangle.under(x).filter(close).map_or_else(|| triangle.squared(x), |over| over.squared)
+}
+
+/// By level, ascending: the codes of those of `leaves` whose farthest point is farther off than `limit`.
+fn failing(pyramid: &Pyramid, leaves: &[LeafPlace], found: &[Farthest], limit: f64) -> Vec<Vec<FaceCode>> {
+    let mut failing = vec![Vec::new(); pyramid.floors.len()];
+    for (&(l, place), found) in leaves.iter().zip(found) {
+        if found.squared.is_nan() || found.squared > limit * limit {
+            let floor = &pyramid.floors[l];
+            failing[l].push(floor.level.mesh.codes[floor.faces[place] as usize]);
+        }
     }
+    failing
 }
 
-/// By level: the faces whose farthest point is farther off than `limit`.
-fn failing(pyramid: &Pyramid, found: &[Vec<Farthest>], limit: f64) -> Vec<Vec<FaceCode>> {
-    let far = |f: &Farthest| f.squared.is_nan() || f.squared > limit * limit;
-    let of_level = |(floor, found): (&Floor, &Vec<Farthest>)| {
-        let codes = floor.faces.iter().map(|&f| floor.level.mesh.codes[f as usize]);
-        codes.zip(found).filter(|(_, f)| far(f)).map(|(code, _)| code).collect()
-    };
-    pyramid.floors.iter().zip(found).map(of_level).collect()
-}
-
-fn finish(assembly: Assembly, found: &[Vec<Farthest>], chord: f64, failing: usize) -> Triangulation {
-    let farthest = found.iter().flatten().fold(Farthest::default(), |all, &leaf| all.or(leaf));
+fn finish(assembly: Assembly, found: &[Farthest], chord: f64, failing: usize) -> Triangulation {
+    let farthest = found.iter().fold(Farthest::default(), |all, &leaf| all.or(leaf));
     let mut done = assembly.finish();
     done.report.chord = Some(ChordReport {
         asked: chord,

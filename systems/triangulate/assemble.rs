@@ -7,12 +7,13 @@ use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::{Connectivity, HalfedgeId};
 use selvedge_components::subdivision::{Address, FINEST_LEVEL, FaceCode, NONE};
 use selvedge_components::triangles::Triangles;
+use smallvec::SmallVec;
 
 use super::closure;
 use super::forest::Forest;
-use super::measure::{Over, shape, squared_to_triangle};
+use super::measure::{Facet, Over, shape};
 use super::pyramid::{Floor, Pyramid, locate};
-use super::sample::Piece;
+use super::sample::{LeafPlace, Pieces};
 use super::{Normals, Subject, TriangulateError, Triangulation, TriangulationReport};
 
 /// The triangles of a forest, and how they came about.
@@ -74,26 +75,41 @@ impl Assembly {
         self.triangles.triangles.len()
     }
 
-    /// The squared distance of a point of the limit surface over the leaf at `place` of a level to the
-    /// triangles. Near an irregular vertex the surface slides: the foot of a point may lie beyond the
-    /// leaf's own triangles, on those around.
-    pub fn near<'a>(&'a self, around: &'a Around, level: usize, place: usize) -> impl Fn(DVec3) -> f64 + 'a {
-        let own = &self.triangles.triangles[self.cuts[level][place].triangles()];
-        let corners = |t: [u32; 3]| t.map(|v| self.triangles.positions[v as usize]);
+    /// The squared distance of a point to the triangles of a leaf.
+    pub fn own(&self, leaf: LeafPlace) -> impl Fn(DVec3) -> f64 + use<> {
+        let facets: SmallVec<[Facet; 4]> = self.indices(leaf).iter().map(|&t| Facet::new(self.positions(t))).collect();
         move |x| {
-            let inside = |t: &[u32; 3]| Over::new(x, corners(*t)).filter(Over::inside);
-            if let Some(over) = own.iter().find_map(inside) {
-                return over.squared;
+            let inside = |t: &Facet| t.under(x).filter(Over::inside);
+            match facets.iter().find_map(inside) {
+                Some(over) => over.squared,
+                None => facets.iter().map(|t| t.squared(x)).fold(f64::INFINITY, f64::min),
             }
-            let neighbours = own.iter().flatten().flat_map(|&v| around.of(v));
-            let distances = neighbours.map(|&t| squared_to_triangle(x, corners(self.triangles.triangles[t as usize])));
-            distances.fold(f64::INFINITY, f64::min)
         }
     }
 
-    /// The triangles of the leaf at `place` of a level: for each corner its position, and its weights
-    /// on the leaf.
-    pub fn pieces(&self, level: usize, place: usize) -> Vec<Piece> {
+    /// The squared distance of a point of the limit surface over a leaf to all triangles. Near an
+    /// irregular vertex the surface slides: the foot may lie beyond the leaf's own triangles, on those
+    /// around.
+    pub fn near<'a>(&'a self, around: &'a Around, leaf: LeafPlace) -> impl Fn(DVec3) -> f64 + 'a {
+        let own = self.own(leaf);
+        let mut beyond: Vec<u32> = self.indices(leaf).iter().flatten().flat_map(|&v| around.of(v)).copied().collect();
+        beyond.sort_unstable();
+        beyond.dedup();
+        let facets: Vec<Facet> =
+            beyond.into_iter().map(|t| Facet::new(self.positions(self.triangles.triangles[t as usize]))).collect();
+        move |x| facets.iter().map(|t| t.squared(x)).fold(own(x), f64::min)
+    }
+
+    fn indices(&self, (level, place): LeafPlace) -> &[[u32; 3]] {
+        &self.triangles.triangles[self.cuts[level][place].triangles()]
+    }
+
+    fn positions(&self, triangle: [u32; 3]) -> [DVec3; 3] {
+        triangle.map(|v| self.triangles.positions[v as usize])
+    }
+
+    /// The triangles of a leaf: for each corner its position, and its weights on the leaf.
+    pub fn pieces(&self, (level, place): LeafPlace) -> Pieces {
         let Cut { halves, .. } = self.cuts[level][place];
         let corners = self.corners(level, place);
         let weights = |v: u32| -> [f64; 3] {
@@ -108,8 +124,8 @@ impl Assembly {
                 }
             })
         };
-        let own = &self.triangles.triangles[self.cuts[level][place].triangles()];
-        own.iter().map(|t| t.map(|v| (self.triangles.positions[v as usize], weights(v)))).collect()
+        let piece = |t: &[u32; 3]| t.map(|v| (self.triangles.positions[v as usize], weights(v)));
+        self.indices((level, place)).iter().map(piece).collect()
     }
 
     fn corners(&self, level: usize, place: usize) -> [u32; 3] {

@@ -11,7 +11,16 @@ pub fn squared_to_segment(x: DVec3, a: DVec3, b: DVec3) -> f64 {
     to.distance_squared(along * t)
 }
 
-/// A point over the plane of a triangle.
+/// The plane of a triangle, ready for many points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    origin: DVec3,
+    normal: DVec3,
+    /// What the second and the third corner weigh, as a product with the way from the first.
+    duals: [DVec3; 2],
+}
+
+/// A point over a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Over {
     /// The square of its height.
@@ -20,31 +29,73 @@ pub struct Over {
     pub weights: [f64; 3],
 }
 
-impl Over {
-    /// The point `x` over a triangle; `None` if the triangle has no area.
-    pub fn new(x: DVec3, [a, b, c]: [DVec3; 3]) -> Option<Self> {
-        let normal = (b - a).cross(c - a);
+impl Plane {
+    /// The plane of a triangle; `None` if it has no area.
+    pub fn new([a, b, c]: [DVec3; 3]) -> Option<Self> {
+        let (ab, ac) = (b - a, c - a);
+        let normal = ab.cross(ac);
         let area = normal.length_squared();
-        if area <= 0.0 {
-            return None;
-        }
-        let left_of = |p: DVec3, q: DVec3| (q - p).cross(x - p).dot(normal) / area;
-        let height = (x - a).dot(normal);
-        Some(Self { squared: height * height / area, weights: [left_of(b, c), left_of(c, a), left_of(a, b)] })
+        let duals = [ac.cross(normal) / area, normal.cross(ab) / area];
+        let plane = Self { origin: a, normal: normal / area.sqrt(), duals };
+        (area > 0.0 && duals[0].is_finite() && duals[1].is_finite()).then_some(plane)
     }
 
+    /// The point `x` over the plane.
+    #[inline]
+    pub fn under(&self, x: DVec3) -> Over {
+        let way = x - self.origin;
+        let (b, c) = (way.dot(self.duals[0]), way.dot(self.duals[1]));
+        let height = way.dot(self.normal);
+        Over { squared: height * height, weights: [1.0 - b - c, b, c] }
+    }
+}
+
+impl Over {
     /// Is the foot in the triangle?
+    #[inline]
     pub fn inside(&self) -> bool {
         self.weights.iter().all(|&w| w >= 0.0)
     }
 }
 
-/// The squared distance from `x` to a triangle, degenerate or not.
-pub fn squared_to_triangle(x: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
-    match Over::new(x, [a, b, c]).filter(Over::inside) {
-        Some(over) => over.squared,
-        None => squared_to_segment(x, a, b).min(squared_to_segment(x, b, c)).min(squared_to_segment(x, c, a)),
+/// A triangle, ready for the distances of many points.
+#[derive(Clone, Copy, Debug)]
+pub struct Facet {
+    corners: [DVec3; 3],
+    plane: Option<Plane>,
+}
+
+impl Facet {
+    /// The triangle with these corners, degenerate or not.
+    pub fn new(corners: [DVec3; 3]) -> Self {
+        Self { corners, plane: Plane::new(corners) }
     }
+
+    /// Where `x` is over its plane; `None` if it has no area.
+    #[inline]
+    pub fn under(&self, x: DVec3) -> Option<Over> {
+        Some(self.plane?.under(x))
+    }
+
+    /// The squared distance from `x`.
+    #[inline]
+    pub fn squared(&self, x: DVec3) -> f64 {
+        match self.under(x) {
+            Some(over) if over.inside() => over.squared,
+            _ => self.squared_to_rim(x),
+        }
+    }
+
+    /// The squared distance from `x` to the nearest edge.
+    fn squared_to_rim(&self, x: DVec3) -> f64 {
+        let [a, b, c] = self.corners;
+        squared_to_segment(x, a, b).min(squared_to_segment(x, b, c)).min(squared_to_segment(x, c, a))
+    }
+}
+
+/// The squared distance from `x` to a triangle, degenerate or not.
+pub fn squared_to_triangle(x: DVec3, corners: [DVec3; 3]) -> f64 {
+    Facet::new(corners).squared(x)
 }
 
 /// `2 area / longest^2`: 0.866 for an equilateral triangle, 0 for a degenerate one.

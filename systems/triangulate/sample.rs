@@ -4,6 +4,7 @@ use glam::DVec3;
 use selvedge_components::evaluate::{Evaluate, SurfacePoint};
 use selvedge_components::subdivision::boxspline::Quartic;
 use selvedge_components::subdivision::{FaceCode, Patch, Scheme};
+use smallvec::SmallVec;
 
 use super::Subject;
 use super::measure::squared_to_segment;
@@ -63,48 +64,48 @@ impl Farthest {
     }
 }
 
-/// For the faces asked of `pyramid`, by level and in their order: the farthest sample. `near` is asked
-/// for a level and a place in [`Floor::faces`], and answers with the squared distance of a point to
-/// the triangles that stand for that face.
+/// A leaf: its level, and its place in [`Floor::faces`].
+pub type LeafPlace = (usize, usize);
+
+/// The leaves of `pyramid`, by level and in their order.
+pub fn leaves(pyramid: &Pyramid) -> Vec<LeafPlace> {
+    let places = |(l, floor): (usize, &Floor)| (0..floor.faces.len()).map(move |place| (l, place));
+    pyramid.floors.iter().enumerate().flat_map(places).collect()
+}
+
+/// For each of `leaves`: the sample of the limit surface that is farthest off. `near` is asked for a
+/// leaf, and answers with the squared distance of a point to the triangles that stand for it.
 pub fn farthest<D: Fn(DVec3) -> f64>(
     subject: &Subject,
     pyramid: &Pyramid,
+    leaves: &[LeafPlace],
     grid: Grid,
-    near: impl Fn(usize, usize) -> D + Sync,
-) -> Vec<Vec<Farthest>> {
+    near: impl Fn(LeafPlace) -> D + Sync,
+) -> Vec<Farthest> {
     let weights = grid.weights();
-    let of_floor = |(l, floor): (usize, &Floor)| {
-        map_in_order(floor.faces.len(), |place| {
-            let leaf = Leaf::new(subject, floor, floor.faces[place]);
-            leaf.farthest(&weights, pyramid.corners(l, floor.faces[place]), near(l, place))
-        })
-    };
-    pyramid.floors.iter().enumerate().map(of_floor).collect()
+    map_in_order(leaves.len(), |i| Leaf::new(subject, pyramid, leaves[i]).farthest(&weights, near(leaves[i])))
 }
 
-/// For the faces asked of `pyramid`, by level and in their order: the point of a triangle that is
-/// farthest from the limit surface, of those that are farther than `limit`. `triangles` is asked for a
-/// level and a place, and answers with the triangles that stand for that face, each corner with its
-/// weights on the face.
+/// For each of `leaves`: the point of its triangles that is farthest from the limit surface, of those
+/// that are farther than `limit`. `pieces` answers with the triangles.
 ///
-/// The point with the same weights is no nearer than the foot: where it is within the limit already
-/// the foot is not looked for.
+/// The point of the surface with the same weights is no nearer than the foot: where it is within the
+/// limit already, the foot is not looked for.
 pub fn farthest_back(
     subject: &Subject,
     pyramid: &Pyramid,
+    leaves: &[LeafPlace],
     limit: f64,
-    triangles: impl Fn(usize, usize) -> Vec<Piece> + Sync,
-) -> Vec<Vec<Farthest>> {
-    let of_floor = |(l, floor): (usize, &Floor)| {
-        map_in_order(floor.faces.len(), |place| {
-            Leaf::new(subject, floor, floor.faces[place]).farthest_back(&triangles(l, place), limit)
-        })
-    };
-    pyramid.floors.iter().enumerate().map(of_floor).collect()
+    pieces: impl Fn(LeafPlace) -> Pieces + Sync,
+) -> Vec<Farthest> {
+    map_in_order(leaves.len(), |i| Leaf::new(subject, pyramid, leaves[i]).farthest_back(&pieces(leaves[i]), limit))
 }
 
 /// A triangle on a leaf: its corners, each with its weights on the leaf.
 pub type Piece = [(DVec3, [f64; 3]); 3];
+
+/// The triangles of a leaf.
+pub type Pieces = SmallVec<[Piece; 4]>;
 
 /// Where a triangle is asked how far the surface is: its centre, and halfway from there to its corners
 /// and to the middles of its edges.
@@ -128,25 +129,28 @@ struct Leaf<'a> {
     floor: &'a Floor,
     face: u32,
     code: FaceCode,
+    corners: [DVec3; 3],
 }
 
 /// What evaluates a leaf.
-#[expect(clippy::large_enum_variant, reason = "one is made per face, on the stack")]
 enum Surface<'a> {
     /// One polynomial.
     Quartic(Quartic),
     /// The rings of its corners.
-    Patch(Patch<'a>),
+    Patch(Box<Patch<'a>>),
     /// The levels that details reach.
     Whole,
 }
 
 impl<'a> Leaf<'a> {
-    fn new(subject: &'a Subject<'a>, floor: &'a Floor, face: u32) -> Self {
-        Self { subject, floor, face, code: floor.level.mesh.codes[face as usize] }
+    fn new(subject: &'a Subject<'a>, pyramid: &'a Pyramid, (l, place): LeafPlace) -> Self {
+        let floor = &pyramid.floors[l];
+        let face = floor.faces[place];
+        let code = floor.level.mesh.codes[face as usize];
+        Self { subject, floor, face, code, corners: pyramid.corners(l, face) }
     }
 
-    fn farthest(&self, weights: &[[f64; 3]], corners: [DVec3; 3], near: impl Fn(DVec3) -> f64) -> Farthest {
+    fn farthest(&self, weights: &[[f64; 3]], near: impl Fn(DVec3) -> f64) -> Farthest {
         let surface = self.surface();
         let mut farthest = Farthest::default();
         let border = match surface {
@@ -155,7 +159,7 @@ impl<'a> Leaf<'a> {
             _ => self.floor.borders(self.face),
         };
         let mut see = |w: [f64; 3], x: DVec3| {
-            farthest.see(x, on_border(x, w, border, corners).unwrap_or_else(|| near(x)));
+            farthest.see(x, on_border(x, w, border, self.corners).unwrap_or_else(|| near(x)));
         };
         for &w in weights {
             see(w, self.position(&surface, w));
@@ -194,7 +198,7 @@ impl<'a> Leaf<'a> {
             Some(net) => Surface::Quartic(Quartic::new(&net.map(|v| state.effective[v as usize]))),
             None => {
                 let scheme = Scheme { surface: self.subject.surface, corners: &self.subject.corners };
-                Surface::Patch(Patch::of(scheme, mesh, state, self.face))
+                Surface::Patch(Box::new(Patch::of(scheme, mesh, state, self.face)))
             }
         }
     }
@@ -202,7 +206,7 @@ impl<'a> Leaf<'a> {
     fn position(&self, surface: &Surface<'_>, weights: [f64; 3]) -> DVec3 {
         match surface {
             Surface::Quartic(quartic) => quartic.position(weights[1], weights[2]),
-            Surface::Patch(patch) => patch.clone().position(weights),
+            Surface::Patch(patch) => Patch::clone(patch).position(weights),
             Surface::Whole => self.subject.limit.position(self.on_root(weights)),
         }
     }
