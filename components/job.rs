@@ -24,7 +24,7 @@ use crate::tolerance::Tolerance;
 /// A job: fit a subdivision surface to a [`FitTarget`], by detail coefficients.
 ///
 /// Spawn an entity with both, and with [`FitOptions`] and a
-/// [`Tolerance`](crate::tolerance::Tolerance) if you like (its `fit` is then the distance asked
+/// [`Tolerance`] if you like (its `fit` is then the distance asked
 /// for), and the job starts in the next pass; of several on one surface, the one of the smallest
 /// serial goes first. It starts again when the surface is edited while it runs, and when target,
 /// tolerance, options or budgets change, whether it runs or not. A finished fit is not done again

@@ -47,7 +47,8 @@ fn side_faults(mesh: &Connectivity, sides: &[Side]) -> Vec<SurfaceFault> {
     let mut faults = Vec::new();
     // A border vertex has one border edge that leaves it with the surface on the left, so the side
     // of an edge can be kept at the vertex where it begins.
-    let mut side_of = vec![None; mesh.vertex_count()];
+    let begins: Vec<_> = (0..mesh.vertex_count()).map(VertexId::new).filter(|&v| mesh.is_border(v)).collect();
+    let mut side_of = vec![None; begins.len()];
     for (side, Side { vertices, ends, .. }) in sides.iter().enumerate() {
         let (least, edges) = match ends {
             // A border is a loop of three edges or more.
@@ -60,26 +61,22 @@ fn side_faults(mesh: &Connectivity, sides: &[Side]) -> Vec<SurfaceFault> {
         }
         for i in 0..edges {
             let ends = [vertices[i], vertices[(i + 1) % vertices.len()]];
-            let [from, to] = ends;
-            let runs = from.index() < mesh.vertex_count() && border_edge(mesh, from) == Some(to);
-            if !runs {
-                faults.push(SurfaceFault::SideOffBorder { side, ends });
-            } else if let Some(first) = side_of[from.index()] {
-                faults.push(SurfaceFault::SideOverlap { ends, first, second: side });
-            } else {
-                side_of[from.index()] = Some(side);
+            let edge = begins.binary_search(&ends[0]).ok().filter(|_| border_edge(mesh, ends[0]) == ends[1]);
+            match edge.map(|edge| &mut side_of[edge]) {
+                None => faults.push(SurfaceFault::SideOffBorder { side, ends }),
+                Some(&mut Some(first)) => faults.push(SurfaceFault::SideOverlap { ends, first, second: side }),
+                Some(free) => *free = Some(side),
             }
         }
     }
-    let all = (0..mesh.vertex_count()).map(VertexId::new);
-    let bare = all.filter(|v| side_of[v.index()].is_none()).filter_map(|v| Some([v, border_edge(mesh, v)?]));
-    faults.extend(bare.map(|ends| SurfaceFault::SideMissing { ends }));
+    let bare = begins.iter().zip(&side_of).filter(|(_, side)| side.is_none()).map(|(&v, _)| v);
+    faults.extend(bare.map(|v| SurfaceFault::SideMissing { ends: [v, border_edge(mesh, v)] }));
     faults
 }
 
-/// Where the border edge that leaves `v` goes; `None` for an interior vertex.
-fn border_edge(mesh: &Connectivity, v: VertexId) -> Option<VertexId> {
-    mesh.is_border(v).then(|| mesh.to(mesh.outgoing(v)))
+/// Where the border edge that leaves the border vertex `v` goes.
+fn border_edge(mesh: &Connectivity, v: VertexId) -> VertexId {
+    mesh.to(mesh.outgoing(v))
 }
 
 /// Faults of given sides along their curves: of each side the first.
