@@ -19,11 +19,12 @@ use crate::budget::Budgets;
 use crate::error::FitFault;
 use crate::subdivision::fit::{FitOptions, Quantum, Stage};
 use crate::target::Target;
+use crate::tolerance::Tolerance;
 
 /// A job: fit a subdivision surface to a [`FitTarget`], by detail coefficients.
 ///
 /// Spawn an entity with both, and with [`FitOptions`] and a
-/// [`Tolerance`](crate::tolerance::Tolerance) if you like (its `fit` is then the distance asked
+/// [`Tolerance`] if you like (its `fit` is then the distance asked
 /// for), and the job starts in the next pass; of several on one surface, the one of the smallest
 /// serial goes first. It starts again when the surface is edited while it runs, and when target,
 /// tolerance, options or budgets change, whether it runs or not. A finished fit is not done again
@@ -67,22 +68,12 @@ pub struct FitInputs {
     pub target: Option<Arc<dyn Target>>,
     /// The revision of the target; what it said where it panicked when asked.
     pub target_revision: Result<u64, String>,
-    /// How the fit is made, the tolerance included.
+    /// How the fit is made.
     pub options: FitOptions,
+    /// The job's tolerance, if it has one; it goes before that of the options.
+    pub tolerance: Option<Tolerance>,
     /// What may be spent.
     pub budgets: Budgets,
-}
-
-impl FitInputs {
-    /// The same, whatever the revision of the surface?
-    pub fn same_order(&self, other: &Self) -> bool {
-        let targets = match (&self.target, &other.target) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b) && self.target_revision == other.target_revision,
-            (None, None) => true,
-            _ => false,
-        };
-        targets && (self.surface, &self.options, self.budgets) == (other.surface, &other.options, other.budgets)
-    }
 }
 
 /// Whether a job runs.

@@ -30,6 +30,7 @@ pub struct SelvedgePass;
 pub struct Engine {
     world: World,
     schedule: Schedule,
+    jobs: QueryState<(Entity, &'static FitJob)>,
 }
 
 impl fmt::Debug for Engine {
@@ -89,7 +90,8 @@ impl Engine {
         schedule.set_executor(SingleThreadedExecutor::new());
         schedule.set_build_settings(strict());
         install(&mut world, &mut schedule);
-        Self { world, schedule }
+        let jobs = world.query();
+        Self { world, schedule, jobs }
     }
 
     /// The world.
@@ -172,8 +174,10 @@ impl Engine {
     /// [`Stalled`] when jobs are left that no system moves.
     pub fn settle(&mut self) -> Result<u64, Stalled> {
         let mut before = self.jobs();
-        for passes in 1.. {
+        let mut passes = 0;
+        loop {
             self.pass();
+            passes += 1;
             let after = self.jobs();
             if before == after {
                 let jobs: Vec<_> = after.iter().filter(|job| is_running(job)).map(|job| job.0).collect();
@@ -181,7 +185,6 @@ impl Engine {
             }
             before = after;
         }
-        unreachable!("a u64 is not counted through")
     }
 
     /// Passes until nothing is left to do or `time` is over, but one pass at least. A pass that has
@@ -204,8 +207,8 @@ impl Engine {
 
     /// Where every job stands, by entity.
     fn jobs(&mut self) -> Vec<(Entity, JobState, u64)> {
-        let mut query = self.world.query::<(Entity, &FitJob)>();
-        let mut jobs: Vec<_> = query.iter(&self.world).map(|(entity, job)| (entity, job.state, job.quanta)).collect();
+        let jobs = self.jobs.iter(&self.world).map(|(entity, job)| (entity, job.state, job.quanta));
+        let mut jobs: Vec<_> = jobs.collect();
         jobs.sort_unstable_by_key(|job| job.0);
         jobs
     }

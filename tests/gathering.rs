@@ -173,6 +173,40 @@ fn an_edit_is_gathered_in_place_unless_somebody_holds_what_was() {
     assert_eq!(bits(&again.surface.clone()), by_hand(&mut world, surface));
 }
 
+#[test]
+fn the_structure_is_as_old_as_the_last_change_of_anything_but_values() {
+    let (mut world, mut schedule) = host();
+    let surface = spawn_surface(&mut world, &source());
+    schedule.run(&mut world);
+    let first = snapshot(&world, surface).clone();
+    assert_eq!(first.structure, first.revision);
+    let point = world.get::<ControlPoints>(surface).unwrap().0[6];
+    let detail = world.query_filtered::<Entity, With<Detail>>().iter(&world).next().unwrap();
+    world.get_mut::<Position>(point).unwrap().0.x += 1.0;
+    world.get_mut::<Detail>(detail).unwrap().0.x += 1.0;
+    schedule.run(&mut world);
+    // The same row as another entity is no other structure either.
+    let row = (*world.get::<Position>(point).unwrap(), ControlPointOf(surface), ControlPointIndex(6));
+    world.despawn(point);
+    let again = world.spawn(row).id();
+    world.get_mut::<ControlPoints>(surface).unwrap().0[6] = again;
+    schedule.run(&mut world);
+    let moved = snapshot(&world, surface).clone();
+    assert!(moved.revision > first.revision);
+    assert_eq!(moved.structure, first.structure);
+    world.despawn(detail);
+    schedule.run(&mut world);
+    let fewer = snapshot(&world, surface).clone();
+    assert_eq!((fewer.structure, fewer.revision > moved.revision), (fewer.revision, true));
+    world.get_mut::<Sides>(surface).unwrap().corner_rule = selvedge::subdivision::CornerRule::Seed;
+    schedule.run(&mut world);
+    assert!(snapshot(&world, surface).structure > fewer.structure);
+    // A value that is no number is found although the structure was found sound before.
+    world.get_mut::<Position>(again).unwrap().0.x = f64::INFINITY;
+    schedule.run(&mut world);
+    assert!(world.get::<SurfaceFailed>(surface).is_some());
+}
+
 /// Every way in which a control point can leave is noticed, whatever else comes in its place, and
 /// however often trackers of removal are cleared in between.
 #[test]

@@ -290,7 +290,7 @@ fn target_tolerance_options_and_budgets_start_a_finished_job_again() {
     again(&mut world, &mut schedule, "another target");
     world.entity_mut(fit).insert(Tolerance::total(0.1));
     again(&mut world, &mut schedule, "a tolerance");
-    assert_eq!(job(&world, fit).inputs.options.tolerance, Some(0.06), "its share for fits");
+    assert_eq!(job(&world, fit).inputs.tolerance, Some(Tolerance::total(0.1)));
     world.get_mut::<FitOptions>(fit).unwrap().last_level = 2;
     again(&mut world, &mut schedule, "a level more");
     world.insert_resource(Budgets { levels: 9, ..Budgets::default() });

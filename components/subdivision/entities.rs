@@ -127,6 +127,9 @@ pub struct Snapshot {
     /// Rises whenever the surface has become another one, and only then; no two different surfaces
     /// of one world ever have the same.
     pub revision: u64,
+    /// The revision at which anything but values changed last: the mesh, the sides, the curves, where
+    /// details sit. Tables made from these are good as long as it stays.
+    pub structure: u64,
     /// The revision of each side's curve when it was gathered; `None` for a plain side, and where
     /// the curve panicked when asked.
     pub curves: Vec<Option<u64>>,

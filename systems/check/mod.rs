@@ -14,5 +14,5 @@ mod surface;
 mod system;
 
 pub use curve::curve_faults;
-pub use surface::surface_faults;
-pub use system::{Checked, check_curves, check_surfaces};
+pub use surface::{surface_faults, value_faults};
+pub use system::{Checked, Sound, check_curves, check_surfaces};

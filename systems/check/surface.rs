@@ -1,5 +1,6 @@
 //! What can be wrong with a surface that has all its parts.
 
+use glam::DVec3;
 use selvedge_components::budget::{Budget, Budgets};
 use selvedge_components::curve::{Extent, evaluate};
 use selvedge_components::error::SurfaceFault;
@@ -11,16 +12,34 @@ use selvedge_components::subdivision::{Address, Border, Details, Ends, Heading, 
 ///
 /// Costs O(control points + details), and one call of each given curve per border edge.
 pub fn surface_faults(surface: &LoopSurface, budgets: &Budgets) -> Vec<SurfaceFault> {
-    let mut faults: Vec<_> = position_faults(&surface.points).into_iter().map(SurfaceFault::Mesh).collect();
+    let mut faults = point_faults(&surface.points);
     let sides = side_faults(&surface.mesh, &surface.sides);
     if sides.is_empty() {
         faults.extend(curve_faults(&surface.sides));
     }
     faults.extend(sides);
-    faults.extend(detail_faults(&surface.mesh, &surface.details));
+    faults.extend(place_faults(&surface.mesh, &surface.details));
+    faults.extend(detail_faults(&surface.details));
     let count = budgets.check(Budget::Details, surface.details.count() as u64);
     faults.extend(count.err().map(SurfaceFault::Budget));
     faults
+}
+
+/// The faults that may come in when only control points and details of a sound surface move.
+pub fn value_faults(surface: &LoopSurface) -> Vec<SurfaceFault> {
+    let mut faults = point_faults(&surface.points);
+    faults.extend(detail_faults(&surface.details));
+    faults
+}
+
+fn point_faults(points: &[DVec3]) -> Vec<SurfaceFault> {
+    // Zero times a number is zero, and NaN times one that is not finite: a sum without branches
+    // tells at once that all is well, as it mostly is.
+    let all = points.iter().fold(DVec3::ZERO, |sum, &p| sum + p * 0.0);
+    if all == DVec3::ZERO {
+        return Vec::new();
+    }
+    position_faults(points).into_iter().map(SurfaceFault::Mesh).collect()
 }
 
 /// Faults of how the sides lie on the borders of the mesh.
@@ -28,7 +47,8 @@ fn side_faults(mesh: &Connectivity, sides: &[Side]) -> Vec<SurfaceFault> {
     let mut faults = Vec::new();
     // A border vertex has one border edge that leaves it with the surface on the left, so the side
     // of an edge can be kept at the vertex where it begins.
-    let mut side_of = vec![None; mesh.vertex_count()];
+    let begins: Vec<_> = (0..mesh.vertex_count()).map(VertexId::new).filter(|&v| mesh.is_border(v)).collect();
+    let mut side_of = vec![None; begins.len()];
     for (side, Side { vertices, ends, .. }) in sides.iter().enumerate() {
         let (least, edges) = match ends {
             // A border is a loop of three edges or more.
@@ -41,26 +61,22 @@ fn side_faults(mesh: &Connectivity, sides: &[Side]) -> Vec<SurfaceFault> {
         }
         for i in 0..edges {
             let ends = [vertices[i], vertices[(i + 1) % vertices.len()]];
-            let [from, to] = ends;
-            let runs = from.index() < mesh.vertex_count() && border_edge(mesh, from) == Some(to);
-            if !runs {
-                faults.push(SurfaceFault::SideOffBorder { side, ends });
-            } else if let Some(first) = side_of[from.index()] {
-                faults.push(SurfaceFault::SideOverlap { ends, first, second: side });
-            } else {
-                side_of[from.index()] = Some(side);
+            let edge = begins.binary_search(&ends[0]).ok().filter(|_| border_edge(mesh, ends[0]) == ends[1]);
+            match edge.map(|edge| &mut side_of[edge]) {
+                None => faults.push(SurfaceFault::SideOffBorder { side, ends }),
+                Some(&mut Some(first)) => faults.push(SurfaceFault::SideOverlap { ends, first, second: side }),
+                Some(free) => *free = Some(side),
             }
         }
     }
-    let all = (0..mesh.vertex_count()).map(VertexId::new);
-    let bare = all.filter(|v| side_of[v.index()].is_none()).filter_map(|v| Some([v, border_edge(mesh, v)?]));
-    faults.extend(bare.map(|ends| SurfaceFault::SideMissing { ends }));
+    let bare = begins.iter().zip(&side_of).filter(|(_, side)| side.is_none()).map(|(&v, _)| v);
+    faults.extend(bare.map(|v| SurfaceFault::SideMissing { ends: [v, border_edge(mesh, v)] }));
     faults
 }
 
-/// Where the border edge that leaves `v` goes; `None` for an interior vertex.
-fn border_edge(mesh: &Connectivity, v: VertexId) -> Option<VertexId> {
-    mesh.is_border(v).then(|| mesh.to(mesh.outgoing(v)))
+/// Where the border edge that leaves the border vertex `v` goes.
+fn border_edge(mesh: &Connectivity, v: VertexId) -> VertexId {
+    mesh.to(mesh.outgoing(v))
 }
 
 /// Faults of given sides along their curves: of each side the first.
@@ -88,20 +104,20 @@ fn curve_fault(side: usize, given: &Side) -> Option<SurfaceFault> {
     })
 }
 
-/// Details where there is no vertex, or that are not finite.
-fn detail_faults(mesh: &Connectivity, details: &Details) -> Vec<SurfaceFault> {
-    let mut faults = Vec::new();
-    for (level, stored) in (0_u32..).zip(&details.levels) {
-        for &(address, value) in stored {
-            if !has_vertex(mesh, level, address) {
-                faults.push(SurfaceFault::DetailNowhere { level, address });
-            }
-            if !value.is_finite() {
-                faults.push(SurfaceFault::DetailNotFinite { level, address, value });
-            }
-        }
-    }
-    faults
+/// Details where there is no vertex.
+fn place_faults(mesh: &Connectivity, details: &Details) -> Vec<SurfaceFault> {
+    let levels = (0_u32..).zip(&details.levels);
+    let places = levels.flat_map(|(level, stored)| stored.iter().map(move |d| (level, d.0)));
+    let nowhere = places.filter(|&(level, address)| !has_vertex(mesh, level, address));
+    nowhere.map(|(level, address)| SurfaceFault::DetailNowhere { level, address }).collect()
+}
+
+/// Details that are not finite.
+fn detail_faults(details: &Details) -> Vec<SurfaceFault> {
+    let levels = (0_u32..).zip(&details.levels);
+    let all = levels.flat_map(|(level, stored)| stored.iter().map(move |&(address, value)| (level, address, value)));
+    let bad = all.filter(|(.., value)| !value.is_finite());
+    bad.map(|(level, address, value)| SurfaceFault::DetailNotFinite { level, address, value }).collect()
 }
 
 /// Does the `level`-th subdivision of `mesh` have a vertex at `address`, and is that its name?
@@ -119,7 +135,6 @@ fn has_vertex(mesh: &Connectivity, level: u32, address: Address) -> bool {
 mod tests {
     use std::sync::Arc;
 
-    use glam::DVec3;
     use selvedge_components::mesh::{EdgeId, FaceId, Fault};
     use selvedge_components::subdivision::{CornerRule, Sides};
 

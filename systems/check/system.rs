@@ -1,5 +1,7 @@
 //! The systems that check.
 
+use std::sync::Arc;
+
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
 use selvedge_components::budget::Budgets;
@@ -8,26 +10,46 @@ use selvedge_components::error::{CurveFailed, SurfaceFailed};
 use selvedge_components::guard::caught;
 use selvedge_components::subdivision::Snapshot;
 
-use super::{curve_faults, surface_faults};
+use super::{curve_faults, surface_faults, value_faults};
 use crate::diagnostics::{Counters, GroundDiagnostics};
 use crate::parallel::for_each;
+
+/// The structure of each surface that was found sound.
+pub type Sound = EntityHashMap<u64>;
 
 /// Refuses every surface whose new snapshot has a fault, and clears those that have none.
 pub fn check_surfaces(
     mut commands: Commands,
-    snapshots: Query<(Entity, &Snapshot, Has<SurfaceFailed>), Changed<Snapshot>>,
+    snapshots: Query<(Entity, Ref<Snapshot>, Has<SurfaceFailed>)>,
     budgets: Option<Res<Budgets>>,
+    mut sound: Local<Sound>,
     diagnostics: Option<ResMut<GroundDiagnostics>>,
 ) {
     let mut run = Counters::start();
     let budgets = budgets.map_or_else(Budgets::default, |b| *b);
-    let mut checks: Vec<_> =
-        snapshots.iter().map(|(entity, snapshot, failed)| (entity, &*snapshot.surface, failed, Vec::new())).collect();
-    for_each(checks.iter_mut().collect(), |(_, surface, _, faults)| *faults = surface_faults(surface, &budgets));
+    let before = core::mem::take(&mut *sound);
+    let mut checks = Vec::new();
+    for (entity, snapshot, failed) in &snapshots {
+        let known = before.get(&entity).is_some_and(|&structure| structure == snapshot.structure);
+        sound.insert(entity, snapshot.structure);
+        if snapshot.is_changed() {
+            let surface = Arc::clone(&snapshot.surface);
+            checks.push((entity, surface, if known { Extent::Values } else { Extent::All }, failed, Vec::new()));
+        } else {
+            run.counted.skipped += 1;
+        }
+    }
+    for_each(checks.iter_mut().collect(), |(_, surface, extent, _, faults)| {
+        *faults = match extent {
+            Extent::Values => value_faults(surface),
+            Extent::All => surface_faults(surface, &budgets),
+        }
+    });
     run.counted.items = checks.len() as u64;
-    for (entity, _, failed, faults) in checks {
+    for (entity, _, _, failed, faults) in checks {
         run.counted.written += u64::from(failed || !faults.is_empty());
         if !faults.is_empty() {
+            sound.remove(&entity);
             commands.entity(entity).try_remove::<Snapshot>().try_insert(SurfaceFailed(faults));
         } else if failed {
             commands.entity(entity).try_remove::<SurfaceFailed>();
@@ -36,6 +58,14 @@ pub fn check_surfaces(
     if let Some(mut diagnostics) = diagnostics {
         diagnostics.check += run.finish();
     }
+}
+
+/// How much of a surface has to be checked.
+enum Extent {
+    /// Its values: the rest is as it was when it was found sound.
+    Values,
+    /// All of it.
+    All,
 }
 
 /// The revision at which each curve was checked last; `None` where it panicked when asked.

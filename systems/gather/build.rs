@@ -8,7 +8,7 @@ use glam::DVec3;
 use selvedge_components::error::SurfaceFault;
 use selvedge_components::subdivision::{Address, Details, LoopSurface};
 
-use super::rows::{DetailRows, News, PointRows, Table, runs};
+use super::rows::{DetailRows, PointRows, Rows, Table, runs};
 use super::survey::Slots;
 
 /// The same number, digit for digit? Zeros of different sign are not, and a NaN is itself.
@@ -61,7 +61,7 @@ impl<'a> PointBuild<'a> {
 pub fn scatter_points(tables: &[Table<PointRows<'_>>], slots: &Slots, builds: &mut [Option<PointBuild<'_>>]) -> usize {
     let mut rows = 0;
     for table in tables {
-        for (owner, run) in runs(table.rows) {
+        for (owner, run) in runs(table.rows, 0..table.rows.count()) {
             let Some(build) = slots.of(owner).and_then(|slot| builds[slot].as_mut()) else { continue };
             rows += run.len();
             for row in run {
@@ -112,7 +112,7 @@ impl DetailBuild {
 pub fn scatter_details(tables: &[Table<DetailRows<'_>>], slots: &Slots, builds: &mut [Option<DetailBuild>]) -> usize {
     let mut rows = 0;
     for table in tables {
-        for (owner, run) in runs(table.rows) {
+        for (owner, run) in runs(table.rows, 0..table.rows.count()) {
             let Some(build) = slots.of(owner).and_then(|slot| builds[slot].as_mut()) else { continue };
             rows += run.len();
             let DetailRows { levels, addresses, values, .. } = table.rows;
@@ -122,21 +122,20 @@ pub fn scatter_details(tables: &[Table<DetailRows<'_>>], slots: &Slots, builds: 
     rows
 }
 
-/// Writes what is new in `run` of `table` into `surface`, which copies itself first if somebody
-/// holds it as it was. Returns how many values were really different.
-pub fn patch_points(table: &Table<PointRows<'_>>, run: Range<usize>, surface: &mut Arc<LoopSurface>) -> usize {
-    let PointRows { indices, positions, .. } = table.rows;
-    let Some(news) = &table.news else { return 0 };
+/// Writes the values of `run`, rows of one surface, into `surface`, which copies itself first if
+/// somebody holds it as it was. Returns how many were really different.
+pub fn patch_points(rows: PointRows<'_>, mut run: Range<usize>, surface: &mut Arc<LoopSurface>) -> usize {
     let differs = |row: usize, points: &[DVec3]| {
-        let held = points.get(indices[row].0 as usize);
-        news[row] != News::None && held.is_some_and(|&held| !same_bits(held, positions[row].0))
+        let held = points.get(rows.indices[row].0 as usize);
+        held.is_some_and(|&held| !same_bits(held, rows.positions[row].0))
     };
-    let Some(first) = run.clone().find(|&row| differs(row, &surface.points)) else { return 0 };
+    // Nothing is copied for values that are only touched.
+    let Some(first) = run.find(|&row| differs(row, &surface.points)) else { return 0 };
     let points = &mut Arc::make_mut(surface).points;
     let mut changed = 0;
-    for row in (first..run.end).filter(|&row| news[row] != News::None) {
+    for row in first..run.end {
         if differs(row, points) {
-            points[indices[row].0 as usize] = positions[row].0;
+            points[rows.indices[row].0 as usize] = rows.positions[row].0;
             changed += 1;
         }
     }
@@ -144,16 +143,14 @@ pub fn patch_points(table: &Table<PointRows<'_>>, run: Range<usize>, surface: &m
 }
 
 /// As [`patch_points`], for detail coefficients.
-pub fn patch_details(table: &Table<DetailRows<'_>>, run: Range<usize>, surface: &mut Arc<LoopSurface>) -> usize {
-    let DetailRows { levels, addresses, values, .. } = table.rows;
-    let Some(news) = &table.news else { return 0 };
+pub fn patch_details(rows: DetailRows<'_>, run: Range<usize>, surface: &mut Arc<LoopSurface>) -> usize {
     let mut changed = 0;
-    for row in run.filter(|&row| news[row] != News::None) {
-        let level = levels[row].0 as usize;
+    for row in run {
+        let level = rows.levels[row].0 as usize;
         let stored = surface.details.levels.get(level).map_or(&[][..], Vec::as_slice);
-        let Ok(i) = stored.binary_search_by_key(&addresses[row], |d| d.0) else { continue };
-        if !same_bits(stored[i].1, values[row].0) {
-            Arc::make_mut(surface).details.levels[level][i].1 = values[row].0;
+        let Ok(i) = stored.binary_search_by_key(&rows.addresses[row], |d| d.0) else { continue };
+        if !same_bits(stored[i].1, rows.values[row].0) {
+            Arc::make_mut(surface).details.levels[level][i].1 = rows.values[row].0;
             changed += 1;
         }
     }
@@ -170,6 +167,14 @@ pub fn same_details(details: &Details, surface: &LoopSurface) -> bool {
     let same_level = |a: &Vec<(Address, DVec3)>, b: &Vec<(Address, DVec3)>| {
         a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.0 == b.0 && same_bits(a.1, b.1))
     };
+    let held = &surface.details.levels;
+    details.levels.len() == held.len() && details.levels.iter().zip(held).all(|(a, b)| same_level(a, b))
+}
+
+/// Do these details sit where those of `surface` do?
+pub fn same_places(details: &Details, surface: &LoopSurface) -> bool {
+    let same_level =
+        |a: &Vec<(Address, DVec3)>, b: &Vec<(Address, DVec3)>| a.iter().map(|d| d.0).eq(b.iter().map(|d| d.0));
     let held = &surface.details.levels;
     details.levels.len() == held.len() && details.levels.iter().zip(held).all(|(a, b)| same_level(a, b))
 }

@@ -19,9 +19,9 @@ mod survey;
 mod system;
 
 pub use build::{
-    DetailBuild, PointBuild, patch_details, patch_points, same_bits, same_details, same_points, scatter_details,
-    scatter_points,
+    DetailBuild, PointBuild, patch_details, patch_points, same_bits, same_details, same_places, same_points,
+    scatter_details, scatter_points,
 };
-pub use rows::{DetailRows, News, OwnerRows, PointRows, Rows, Table, runs};
+pub use rows::{DetailRows, News, OwnerRows, PointRows, Rows, Table, runs, stretches};
 pub use survey::{Ledger, Slots, survey};
 pub use system::{Memory, gather_surfaces};

@@ -86,27 +86,76 @@ impl Rows for OwnerRows<'_> {
     }
 }
 
-/// One table: its rows, and what is new about each; `None` where nothing is about any.
+/// One table: its rows, and what is new about them.
 #[derive(Clone, Debug)]
 pub struct Table<R> {
     /// The rows.
     pub rows: R,
-    /// One entry per row.
-    pub news: Option<Vec<News>>,
+    /// Stretches of rows that have news of one kind, ascending; rows in none of them have none.
+    pub news: Vec<(Range<usize>, News)>,
 }
 
-/// The rows as stretches of one owner: tables are mostly filled surface by surface, so owners are
-/// looked up once a stretch.
-pub fn runs<R: Rows>(rows: R) -> impl Iterator<Item = (Entity, Range<usize>)> {
-    let mut start = 0;
+/// `range` of the rows as stretches of one owner: tables are mostly filled surface by surface, so
+/// owners are looked up once a stretch.
+pub fn runs<R: Rows>(rows: R, range: Range<usize>) -> impl Iterator<Item = (Entity, Range<usize>)> {
+    let Range { mut start, end: stop } = range;
     core::iter::from_fn(move || {
-        if start == rows.count() {
+        if start >= stop {
             return None;
         }
         let owner = rows.owner(start);
-        let end = (start + 1..rows.count()).find(|&row| rows.owner(row) != owner).unwrap_or(rows.count());
+        let end = (start + 1..stop).find(|&row| rows.owner(row) != owner).unwrap_or(stop);
         let run = (owner, start..end);
         start = end;
         Some(run)
     })
+}
+
+/// The stretches of rows for which `news` has some. `touched` tells of a range of rows whether any
+/// may have news; it is asked for many rows at once, and most have none.
+pub fn stretches(
+    rows: usize,
+    touched: impl Fn(Range<usize>) -> bool,
+    news: impl Fn(usize) -> News,
+) -> Vec<(Range<usize>, News)> {
+    /// Ticks of this many rows are a few cache lines, and are compared some at a time.
+    const BLOCK: usize = 256;
+    let mut found: Vec<(Range<usize>, News)> = Vec::new();
+    for block in (0..rows).step_by(BLOCK).map(|start| start..rows.min(start + BLOCK)) {
+        if !touched(block.clone()) {
+            continue;
+        }
+        for row in block {
+            match (news(row), found.last_mut()) {
+                (News::None, _) => {}
+                (new, Some((stretch, kind))) if stretch.end == row && *kind == new => stretch.end += 1,
+                (new, _) => found.push((row..row + 1, new)),
+            }
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stretches_are_all_rows_with_news_in_order_and_as_long_as_can_be() {
+        let kinds = [News::None, News::Value, News::Structure];
+        for seed in 0..50_usize {
+            // Long and short stretches of all kinds, over a few blocks.
+            let rows = 3 + 97 * seed;
+            let of = |row: usize| kinds[(row / (1 + 37 * (seed % 11)) + row * (seed % 3) / 5) % 3];
+            let found = stretches(rows, |range| range.into_iter().any(|row| of(row) != News::None), of);
+            let mut spread = vec![News::None; rows];
+            for (stretch, kind) in &found {
+                assert!(!stretch.is_empty() && *kind != News::None);
+                spread[stretch.clone()].fill(*kind);
+            }
+            assert_eq!(spread, (0..rows).map(of).collect::<Vec<_>>());
+            let touching = found.windows(2).filter(|w| w[0].0.end == w[1].0.start && w[0].1 == w[1].1);
+            assert_eq!(touching.count(), 0);
+        }
+    }
 }

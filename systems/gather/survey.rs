@@ -42,13 +42,11 @@ impl Slots {
 pub fn survey<R: Rows>(tables: &[Table<R>], slots: &Slots, ledger: &mut Ledger) -> Vec<News> {
     let mut marks = vec![News::None; slots.count()];
     let mut moved = tables.iter().map(|t| t.rows.count()).sum::<usize>() != ledger.rows;
-    for table in tables {
-        let Some(news) = &table.news else { continue };
-        for (owner, run) in runs(table.rows) {
-            let most = news[run].iter().copied().max().unwrap_or(News::None);
-            moved |= most == News::Structure;
+    for (table, (stretch, news)) in tables.iter().flat_map(|t| t.news.iter().map(move |news| (t, news))) {
+        moved |= *news == News::Structure;
+        for (owner, _) in runs(table.rows, stretch.clone()) {
             if let Some(slot) = slots.of(owner) {
-                marks[slot] = marks[slot].max(most);
+                marks[slot] = marks[slot].max(*news);
             }
         }
     }
@@ -68,7 +66,7 @@ fn count<R: Rows>(tables: &[Table<R>]) -> Ledger {
     let mut ledger = Ledger::default();
     for table in tables {
         ledger.rows += table.rows.count();
-        for (owner, run) in runs(table.rows) {
+        for (owner, run) in runs(table.rows, 0..table.rows.count()) {
             *ledger.per_owner.entry(owner).or_default() += run.len();
         }
     }

@@ -1,8 +1,9 @@
 //! The system that gathers.
 
+use core::ops::Range;
 use std::sync::Arc;
 
-use bevy_ecs::change_detection::{ContiguousComponentTicksRef, ContiguousRef};
+use bevy_ecs::change_detection::{ContiguousComponentTicksRef, ContiguousRef, Tick};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
@@ -16,7 +17,7 @@ use selvedge_components::subdivision::{
 
 use super::{
     DetailBuild, DetailRows, Ledger, News, PointBuild, PointRows, Rows, Slots, Table, patch_details, patch_points,
-    runs, same_details, same_points, scatter_details, scatter_points, survey,
+    runs, same_details, same_places, same_points, scatter_details, scatter_points, stretches, survey,
 };
 use crate::diagnostics::{Counters, GroundDiagnostics};
 
@@ -60,9 +61,9 @@ pub fn gather_surfaces(
     sources.sort_unstable_by_key(|s| (s.serial, s.entity));
     let slots = Slots::new(sources.iter().map(|s| s.entity));
     let (points, details) = (point_tables(&points), detail_tables(&details));
-    for touched in points.iter().map(|t| t.news.is_some()).chain(details.iter().map(|t| t.news.is_some())) {
-        run.counted.tables += u64::from(touched);
-        run.counted.skipped += u64::from(!touched);
+    for untouched in points.iter().map(|t| t.news.is_empty()).chain(details.iter().map(|t| t.news.is_empty())) {
+        run.counted.tables += u64::from(!untouched);
+        run.counted.skipped += u64::from(untouched);
     }
 
     let point_news = survey(&points, &slots, &mut memory.points);
@@ -150,7 +151,7 @@ impl<'w> Source<'w> {
         let (Some(points), Some(details)) = (points, details) else { return false };
         let surface = Arc::new(self.surface(points, details));
         let (revision, curves) = (serials.next_number(), self.sides.revisions());
-        commands.entity(self.entity).try_insert(Snapshot { surface, revision, curves });
+        commands.entity(self.entity).try_insert(Snapshot { surface, revision, structure: revision, curves });
         true
     }
 
@@ -172,32 +173,36 @@ impl<'w> Source<'w> {
     fn update(&mut self, points: Option<Vec<DVec3>>, details: Option<Details>, serials: &mut Serials) -> bool {
         let Some(snapshot) = &mut self.snapshot else { return false };
         let held = &mut snapshot.bypass_change_detection().surface;
-        let mut changed = self.patched > 0;
+        let (mut changed, mut structure) = (self.patched > 0, false);
         if self.cage.is_changed() && !same_mesh(&self.cage, held) {
             Arc::make_mut(held).mesh = Arc::clone(&self.cage.mesh);
-            changed = true;
+            structure = true;
         }
         if self.sides.is_changed() && !self.sides.same_as(held) {
             let Sides { sides, corner_rule } = Sides::clone(&self.sides);
             let surface = Arc::make_mut(held);
             (surface.sides, surface.corner_rule) = (sides, corner_rule);
-            changed = true;
+            structure = true;
         }
         if let Some(points) = points.filter(|points| !same_points(points, held)) {
             Arc::make_mut(held).points = points;
             changed = true;
         }
         if let Some(details) = details.filter(|details| !same_details(details, held)) {
+            structure |= !same_places(&details, held);
             Arc::make_mut(held).details = details;
             changed = true;
         }
         let curves = self.sides.revisions();
-        changed |= curves != snapshot.curves;
-        if changed {
+        structure |= curves != snapshot.curves;
+        if structure || changed {
             snapshot.revision = serials.next_number();
             snapshot.curves = curves;
         }
-        changed
+        if structure {
+            snapshot.structure = snapshot.revision;
+        }
+        structure || changed
     }
 }
 
@@ -222,24 +227,29 @@ fn patch(
     points: &[Table<PointRows<'_>>],
     details: &[Table<DetailRows<'_>>],
 ) -> u64 {
-    let mut rows = 0;
-    for table in points.iter().filter(|t| t.news.is_some()) {
-        for (owner, run) in runs(table.rows) {
-            let Some(source) = slots.of(owner).map(|slot| &mut sources[slot]) else { continue };
-            let Some(snapshot) = source.snapshot.as_mut().filter(|_| source.points == News::Value) else { continue };
-            rows += run.len() as u64;
-            source.patched += patch_points(table, run, &mut snapshot.bypass_change_detection().surface);
+    let mut count = 0;
+    for_each_run_with_news(points, |owner, rows, run| {
+        let Some(source) = slots.of(owner).map(|slot| &mut sources[slot]) else { return };
+        let Some(snapshot) = source.snapshot.as_mut().filter(|_| source.points == News::Value) else { return };
+        count += run.len() as u64;
+        source.patched += patch_points(rows, run, &mut snapshot.bypass_change_detection().surface);
+    });
+    for_each_run_with_news(details, |owner, rows, run| {
+        let Some(source) = slots.of(owner).map(|slot| &mut sources[slot]) else { return };
+        let Some(snapshot) = source.snapshot.as_mut().filter(|_| source.details == News::Value) else { return };
+        count += run.len() as u64;
+        source.patched += patch_details(rows, run, &mut snapshot.bypass_change_detection().surface);
+    });
+    count
+}
+
+/// Calls `work` with every stretch of rows of one owner that has news.
+fn for_each_run_with_news<R: Rows>(tables: &[Table<R>], mut work: impl FnMut(Entity, R, Range<usize>)) {
+    for table in tables {
+        for (owner, run) in table.news.iter().flat_map(|(stretch, _)| runs(table.rows, stretch.clone())) {
+            work(owner, table.rows, run);
         }
     }
-    for table in details.iter().filter(|t| t.news.is_some()) {
-        for (owner, run) in runs(table.rows) {
-            let Some(source) = slots.of(owner).map(|slot| &mut sources[slot]) else { continue };
-            let Some(snapshot) = source.snapshot.as_mut().filter(|_| source.details == News::Value) else { continue };
-            rows += run.len() as u64;
-            source.patched += patch_details(table, run, &mut snapshot.bypass_change_detection().surface);
-        }
-    }
-    rows
 }
 
 type Rebuilt = (Vec<Built<Vec<DVec3>>>, Vec<Built<Details>>, u64);
@@ -297,32 +307,33 @@ fn detail_tables<'q>(details: &'q Query<Coefficient>) -> Vec<Table<DetailRows<'q
         .collect()
 }
 
-/// What the ticks say about each of `rows` rows; `None` where they say nothing about any.
+/// What the ticks say about `rows` rows.
 fn news(
     rows: usize,
     value: &ContiguousComponentTicksRef<'_>,
     structure: &[ContiguousComponentTicksRef<'_>],
-) -> Option<Vec<News>> {
-    let touched = |ticks: &ContiguousComponentTicksRef<'_>| ticks.summary_tick_is_changed() != Some(false);
-    if !touched(value) && !structure.iter().any(touched) {
-        return None;
+) -> Vec<(Range<usize>, News)> {
+    let may_have = |ticks: &&ContiguousComponentTicksRef<'_>| ticks.summary_tick_is_changed() != Some(false);
+    let (value, structure) = (Some(value).filter(may_have), structure.iter().filter(may_have).collect::<Vec<_>>());
+    if value.is_none() && structure.is_empty() {
+        return Vec::new();
     }
-    let mut news = vec![News::None; rows];
-    if touched(value) {
-        for (news, (changed, added)) in news.iter_mut().zip(value.is_changed_iter().zip(value.is_added_iter())) {
-            *news = if added {
-                News::Structure
-            } else if changed {
-                News::Value
-            } else {
-                News::None
-            };
+    let since =
+        |ticks: &ContiguousComponentTicksRef<'_>, tick: Tick| tick.is_newer_than(ticks.last_run(), ticks.this_run());
+    // A row that came in has the tick of its arrival as that of its last change too, or a later one.
+    let changed = |ticks: &ContiguousComponentTicksRef<'_>, range: Range<usize>| {
+        ticks.changed()[range].iter().fold(false, |any, &tick| any | since(ticks, tick))
+    };
+    let touched = |range: Range<usize>| {
+        value.is_some_and(|v| changed(v, range.clone())) || structure.iter().any(|s| changed(s, range.clone()))
+    };
+    stretches(rows, touched, |row| {
+        let structure = structure.iter().any(|ticks| since(ticks, ticks.changed()[row]));
+        match value.filter(|ticks| since(ticks, ticks.changed()[row])) {
+            _ if structure => News::Structure,
+            Some(ticks) if since(ticks, ticks.added()[row]) => News::Structure,
+            Some(_) => News::Value,
+            None => News::None,
         }
-    }
-    for ticks in structure.iter().filter(|ticks| touched(ticks)) {
-        for (news, changed) in news.iter_mut().zip(ticks.is_changed_iter()) {
-            *news = if changed { News::Structure } else { *news };
-        }
-    }
-    news.iter().any(|&news| news != News::None).then_some(news)
+    })
 }

@@ -1,5 +1,6 @@
 //! The systems of the stages: each lets every job at its stage do one work quantum.
 
+use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use selvedge_components::error::FitFault;
@@ -60,7 +61,7 @@ pub fn refine_fits(
     let jobs: Vec<_> = jobs.iter_mut().collect();
     run.counted.items = jobs.len() as u64;
     let left = quantum(jobs, Stage::Refine, FitWork::refine);
-    let owners: Vec<_> = left.iter().map(|&(job, _)| job).collect();
+    let owners: EntityHashSet = left.iter().map(|&(job, _)| job).collect();
     if !owners.is_empty() {
         let zero = details.iter().filter(|(_, detail, of)| detail.0 == DVec3::ZERO && owners.contains(&of.0));
         for (detail, ..) in zero {
@@ -111,11 +112,12 @@ fn write_details(
     details: &mut Query<(&mut Detail, &DetailLevel, &Address, &DetailOf)>,
 ) -> (u64, u64) {
     let (mut tables, mut written) = (0, 0);
+    let jobs: EntityHashMap<&FitWork> = jobs.iter().copied().collect();
     let slices = details.contiguous_iter_mut().expect("every component asked for is stored in tables");
     for (mut values, levels, addresses, owners) in slices {
         tables += 1;
-        for (owner, run) in runs(OwnerRows(owners)) {
-            let Some((_, work)) = jobs.iter().find(|job| job.0 == owner) else { continue };
+        for (owner, run) in runs(OwnerRows(owners), 0..owners.len()) {
+            let Some(work) = jobs.get(&owner) else { continue };
             // Only this stretch is marked as changed: the rest of the table is not ours to touch.
             let mut stretch = values.reborrow().slice(run.start as u32..run.end as u32);
             for (value, row) in stretch.iter_mut().zip(run).filter(|(_, row)| levels[*row].0 == work.level()) {

@@ -21,7 +21,7 @@ mod advance;
 mod commit;
 mod system;
 
-pub use admit::{SurfaceNow, Verdict, Wish, first_on_each_surface, verdict};
+pub use admit::{Order, SurfaceNow, Verdict, Wish, first_on_each_surface, verdict};
 pub use advance::{Move, next_move};
 pub use commit::{Commit, Place, commit};
 pub use system::{Running, admit_fits, advance_fits};

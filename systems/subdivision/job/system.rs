@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
+use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
 use selvedge_components::budget::Budgets;
 use selvedge_components::error::{FitFailed, FitFault, SurfaceFailed};
 use selvedge_components::guard::caught;
@@ -16,7 +18,7 @@ use selvedge_components::subdivision::{Address, Cage, Detail, DetailLevel, Detai
 use selvedge_components::target::Guarded;
 use selvedge_components::tolerance::Tolerance;
 
-use super::{Commit, Move, Place, SurfaceNow, Verdict, Wish, commit, first_on_each_surface, next_move, verdict};
+use super::{Commit, Move, Order, Place, SurfaceNow, Verdict, Wish, commit, first_on_each_surface, next_move, verdict};
 use crate::diagnostics::{Counters, SubdivisionDiagnostics};
 use crate::parallel::for_each;
 use crate::subdivision::fit::FitWork;
@@ -38,7 +40,7 @@ type Surface = (Option<&'static Snapshot>, Option<&'static SurfaceFailed>);
 type Traces = (FitJob, FitWork, AtCorrespond, AtModify, AtRefine, FitFailed);
 
 /// The jobs that began or went on in the pass before.
-pub type Running = Vec<Entity>;
+pub type Running = EntityHashSet;
 
 /// Begins jobs, begins again those whose inputs have changed, and takes back what was cancelled.
 pub fn admit_fits(
@@ -57,10 +59,10 @@ pub fn admit_fits(
     let mut candidates: Vec<_> = found.into_iter().map(|job| Candidate::new(job, &surfaces, budgets)).collect();
     wait_for_turns(&mut candidates);
 
-    let goes_on: Vec<_> = candidates.iter().filter(|c| c.goes_on()).map(|c| c.entity).collect();
-    let was_over = |job| candidates.iter().any(|c| c.entity == job && c.is_over());
-    let broken_off = running.iter().copied().filter(|&job| !goes_on.contains(&job) && !was_over(job));
-    let broken_off: Vec<_> = broken_off.collect();
+    let goes_on: EntityHashSet = candidates.iter().filter(|c| c.goes_on()).map(|c| c.entity).collect();
+    let over: EntityHashSet = candidates.iter().filter(|c| c.is_over()).map(|c| c.entity).collect();
+    let broken_off = running.iter().filter(|job| !goes_on.contains(*job) && !over.contains(*job));
+    let broken_off: EntityHashSet = broken_off.copied().collect();
     discard(&mut commands, &broken_off, details.iter().map(|(detail, of)| (detail, of.0)));
     for &job in broken_off.iter().filter(|&&job| !jobs.contains(job)) {
         // It is a job no longer, and may not even be an entity.
@@ -70,26 +72,26 @@ pub fn admit_fits(
 
     run.counted.items = candidates.len() as u64;
     let mut starts = Vec::new();
-    for candidate in candidates {
-        run.counted.skipped += u64::from(candidate.verdict == Verdict::Keep);
-        run.counted.written += u64::from(candidate.verdict != Verdict::Keep);
-        let mut entity = commands.entity(candidate.entity);
-        match candidate.verdict {
+    for Candidate { entity, order, verdict, .. } in candidates {
+        run.counted.skipped += u64::from(verdict == Verdict::Keep);
+        run.counted.written += u64::from(verdict != Verdict::Keep);
+        match verdict {
             Verdict::Keep => {}
-            Verdict::Start => starts.push((candidate.entity, candidate.now, Err(FitFault::NoTarget))),
+            Verdict::Start => starts.push((entity, order.inputs(), None)),
             Verdict::Wait | Verdict::TakeBack => {
-                entity.try_remove::<Traces>();
+                commands.entity(entity).try_remove::<Traces>();
             }
-            Verdict::Refuse(why) => {
-                let failed = FitFailed { why, ladder: Vec::new() };
-                entity.try_remove::<Traces>().try_insert((FitJob::new(JobState::Failed, candidate.now), failed));
-            }
+            Verdict::Refuse(why) => fail(commands.entity(entity), order.inputs(), why),
         }
     }
-    for_each(starts.iter_mut().collect(), |(_, now, work)| *work = begin(now, &surfaces));
-    for (job, now, work) in starts {
-        running.push(job);
-        start(commands.entity(job), now, work);
+    for_each(starts.iter_mut().collect(), |(_, inputs, work)| *work = Some(begin(inputs, &surfaces)));
+    for (job, inputs, work) in starts {
+        running.insert(job);
+        match work {
+            Some(Ok(work)) => start(commands.entity(job), inputs, work),
+            Some(Err(why)) => fail(commands.entity(job), inputs, why),
+            None => {}
+        }
     }
     if let Some(mut diagnostics) = diagnostics {
         diagnostics.admit += run.finish();
@@ -97,49 +99,42 @@ pub fn admit_fits(
 }
 
 /// A job, and what is to be done about it.
-struct Candidate {
+struct Candidate<'w> {
     entity: Entity,
     state: Option<JobState>,
     has_work: bool,
-    now: FitInputs,
+    order: Order<'w>,
     verdict: Verdict,
 }
 
-impl Candidate {
-    fn new(
-        job: <Job as bevy_ecs::query::QueryData>::Item<'_, '_>,
-        surfaces: &Query<Surface, With<Cage>>,
-        budgets: Budgets,
-    ) -> Self {
+impl<'w> Candidate<'w> {
+    fn new(job: <Job as QueryData>::Item<'w, '_>, surfaces: &Query<Surface, With<Cage>>, budgets: Budgets) -> Self {
         let (entity, _, fit, target, options, tolerance, job, has_work, cancelled) = job;
-        let now_surface = surfaces.get(fit.surface).ok();
-        let mut options = options.clone();
-        options.tolerance = tolerance.map_or(options.tolerance, |t| Some(t.fit));
-        let revision = |target: &FitTarget| caught(|| target.0.revision());
-        let now = FitInputs {
-            surface: fit.surface,
-            revision: now_surface.and_then(|(snapshot, _)| snapshot).map(|s| s.revision),
-            target: target.map(|t| Arc::clone(&t.0)),
-            target_revision: target.map_or(Ok(0), revision),
-            options,
-            budgets,
+        let now = match surfaces.get(fit.surface) {
+            Err(_) => SurfaceNow::Missing,
+            Ok((Some(snapshot), _)) => SurfaceNow::Sound(snapshot.revision),
+            Ok((None, Some(failed))) => SurfaceNow::Failed(failed.0.len()),
+            Ok((None, None)) => SurfaceNow::Ungathered,
         };
-        let surface = match now_surface {
-            None => SurfaceNow::Missing,
-            Some((Some(snapshot), _)) => SurfaceNow::Sound(snapshot.revision),
-            Some((None, Some(failed))) => SurfaceNow::Failed(failed.0.len()),
-            Some((None, None)) => SurfaceNow::Ungathered,
+        let order = Order {
+            surface: fit.surface,
+            now,
+            target: target.map(|target| &target.0),
+            target_revision: target.map_or(Ok(0), |target| caught(|| target.0.revision())),
+            options,
+            tolerance: tolerance.copied(),
+            budgets,
         };
         let wish = if cancelled { Wish::Cancel } else { Wish::Run };
         // A job that has lost its work, which is derived, begins again.
         let whole = job.filter(|job| has_work || !job.is_running());
-        let verdict = match verdict(wish, whole, &now, surface) {
+        let verdict = match verdict(wish, whole, &order) {
             // One that was never begun has nothing to clear; one that a host has stripped of its state has.
             Verdict::Wait if job.is_none() && !has_work => Verdict::Keep,
             Verdict::Keep if job.is_none() && has_work => Verdict::TakeBack,
             verdict => verdict,
         };
-        Self { entity, state: job.map(|job| job.state), has_work, now, verdict }
+        Self { entity, state: job.map(|job| job.state), has_work, order, verdict }
     }
 
     fn goes_on(&self) -> bool {
@@ -153,9 +148,9 @@ impl Candidate {
 }
 
 /// Lets those that would start wait where another job is on the same surface, or comes first.
-fn wait_for_turns(candidates: &mut [Candidate]) {
-    let starting = candidates.iter().filter(|c| c.verdict == Verdict::Start).map(|c| (c.entity, c.now.surface));
-    let busy = candidates.iter().filter(|c| c.goes_on()).map(|c| c.now.surface);
+fn wait_for_turns(candidates: &mut [Candidate<'_>]) {
+    let starting = candidates.iter().filter(|c| c.verdict == Verdict::Start).map(|c| (c.entity, c.order.surface));
+    let busy = candidates.iter().filter(|c| c.goes_on()).map(|c| c.order.surface);
     let first = first_on_each_surface(&starting.collect::<Vec<_>>(), busy.collect());
     for candidate in candidates.iter_mut().filter(|c| c.verdict == Verdict::Start && !first.contains(&c.entity)) {
         let traced = candidate.state.is_some() || candidate.has_work;
@@ -172,6 +167,7 @@ fn begin(now: &FitInputs, surfaces: &Query<Surface, With<Cage>>) -> Result<FitWo
     let guarded = Arc::new(Guarded::new(Arc::clone(target), now.budgets));
     let most_details = usize::try_from(now.budgets.details).unwrap_or(usize::MAX);
     let mut options = now.options.clone();
+    options.tolerance = now.tolerance.map_or(options.tolerance, |tolerance| Some(tolerance.fit));
     options.most_details = options.most_details.min(most_details);
     let surface = Arc::clone(&snapshot.surface);
     caught(|| FitWork::new(surface, guarded, options))
@@ -179,19 +175,17 @@ fn begin(now: &FitInputs, surfaces: &Query<Surface, With<Cage>>) -> Result<FitWo
         .map_err(FitFault::Fit)
 }
 
-/// Puts a begun job on its way, or tells why it could not begin.
-fn start(mut job: EntityCommands, now: FitInputs, work: Result<FitWork, FitFault>) {
-    job.try_remove::<Traces>();
-    match work {
-        Ok(work) => {
-            let stage = work.stage();
-            job.try_insert((FitJob::new(JobState::Running(stage), now), work));
-            mark(&mut job, stage);
-        }
-        Err(why) => {
-            job.try_insert((FitJob::new(JobState::Failed, now), FitFailed { why, ladder: Vec::new() }));
-        }
-    }
+/// Puts a begun job on its way.
+fn start(mut job: EntityCommands, inputs: FitInputs, work: FitWork) {
+    let stage = work.stage();
+    job.try_remove::<Traces>().try_insert((FitJob::new(JobState::Running(stage), inputs), work));
+    mark(&mut job, stage);
+}
+
+/// Tells why a job could not begin.
+fn fail(mut job: EntityCommands, inputs: FitInputs, why: FitFault) {
+    let failed = FitFailed { why, ladder: Vec::new() };
+    job.try_remove::<Traces>().try_insert((FitJob::new(JobState::Failed, inputs), failed));
 }
 
 /// Moves the marker of a job to `stage`.
@@ -205,7 +199,7 @@ fn mark(job: &mut EntityCommands, stage: Stage) {
 }
 
 /// Despawns the details that belong to `jobs`.
-fn discard(commands: &mut Commands, jobs: &[Entity], details: impl Iterator<Item = (Entity, Entity)>) {
+fn discard(commands: &mut Commands, jobs: &EntityHashSet, details: impl Iterator<Item = (Entity, Entity)>) {
     if jobs.is_empty() {
         return;
     }
@@ -224,7 +218,7 @@ pub fn advance_fits(
     diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
 ) {
     let mut run = Counters::start();
-    let mut failed = Vec::new();
+    let mut failed = EntityHashSet::default();
     for (entity, mut job, work) in &mut jobs {
         if job.step.is_none() {
             run.counted.skipped += 1;
@@ -247,7 +241,7 @@ pub fn advance_fits(
             }
             Move::Fail(why) => {
                 job.state = JobState::Failed;
-                failed.push(entity);
+                failed.insert(entity);
                 let ladder = work.ladder().to_vec();
                 let mut entity = commands.entity(entity);
                 entity.try_remove::<(FitWork, AtCorrespond, AtModify, AtRefine)>();
