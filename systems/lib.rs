@@ -8,6 +8,7 @@
 //! | [`spatial`], [`closest`] | what is near; closest points of surfaces |
 //! | [`triangulate`], [`audit`] | triangles out, and measured anew |
 //! | [`foot`] | points of a surface below points near it |
+//! | [`projected_curve`] | a curve carried onto a surface |
 //! | [`target`] | what a surface is fitted to |
 //! | [`diagnostics`] | what each stage did, and how long it took |
 //! | [`parallel`] | work on many items at once, with the same bits |
@@ -23,6 +24,7 @@ pub mod enroll;
 pub mod foot;
 pub mod gather;
 pub mod parallel;
+pub mod projected_curve;
 pub mod schedule;
 pub mod spatial;
 pub mod subdivision;

@@ -9,10 +9,12 @@ use std::sync::Arc;
 use draw::{Draw, add_details, ball, disc};
 use glam::{DVec2, DVec3};
 use selvedge_components::curve::Heading;
-use selvedge_components::evaluate::{Evaluate, SurfacePoint};
+use selvedge_components::evaluate::{Evaluate, Jet, SurfacePoint};
 use selvedge_components::mesh::FaceId;
-use selvedge_components::subdivision::LoopSurface;
-use selvedge_systems::closest::SurfaceIndex;
+use selvedge_components::subdivision::{FaceCode, LoopSurface};
+use selvedge_components::target::Target;
+use selvedge_systems::closest::{Closest, ClosestError, IndexError, Search, SurfaceIndex, SurfaceTarget, Walk};
+use selvedge_systems::subdivision::fit::{FitOptions, FitWork};
 use selvedge_systems::subdivision::limit::LimitSurface;
 use support::{graph, octant, parallelogram, spherical_fan};
 
@@ -95,5 +97,155 @@ fn the_closest_point_of_a_point_above_the_surface_is_below_it() {
             assert!(off < 1e-12, "{name}, {k}: at {at:?}: off by {off:e}, {found:?} for {height:e}");
         }
         assert!(elsewhere < 25, "{name}: {elsewhere} points have another foot");
+    }
+}
+
+/// Beyond a border the foot lies on it, straight across, or at a corner.
+#[test]
+fn feet_of_points_beyond_a_border_lie_on_it() {
+    let index = index(octant("cone(1,2)"));
+    let limit = index.surface();
+    let mut draw = Draw(19);
+    let mut corners = 0;
+    for k in 0..300 {
+        // Below the octant's three border planes: the feet are on its three quarter circles.
+        let point = DVec3::new(draw.unit(), draw.unit(), -draw.unit()) * 0.6;
+        let found = index.closest(point).expect("a finite point");
+        let on_circle = DVec2::new(point.x, point.y).normalize() * 0.5;
+        let expected = on_circle.extend(0.0);
+        // The border is exact; the inside of the unfitted octant sags, so no inner point is nearer.
+        assert!(found.position.distance(expected) < 1e-12, "{k}: {} instead of {expected}", found.position);
+        let jet = limit.jet(found.at);
+        assert!((jet.position - found.position).length() < 1e-14);
+        let corner = DVec3::new(-draw.unit(), -draw.unit(), 1.0 + draw.unit());
+        corners += usize::from(index.closest(corner).expect("finite").position.distance(DVec3::Z * 0.5) < 1e-13);
+    }
+    assert_eq!(corners, 300, "points over a corner have their feet there");
+}
+
+fn flattened(height: f64) -> LoopSurface {
+    let (points, triangles) = ball(0, 7);
+    let flat = |p: &DVec3| DVec3::new(p.x, p.y, height * p.z);
+    support::plain(points.iter().map(flat).collect(), &triangles)
+}
+
+/// Near one sheet of a thin body a search everywhere finds the nearer sheet, a search around a hint
+/// the sheet that the hint lies on.
+#[test]
+fn a_hint_decides_between_the_sheets_of_a_thin_body() {
+    let index = Arc::new(index(flattened(0.01)));
+    let around = SurfaceTarget { search: Search::AroundHint, ..SurfaceTarget::new(Arc::clone(&index)) };
+    let everywhere = SurfaceTarget::new(Arc::clone(&index));
+    let mut draw = Draw(20);
+    for k in 0..200 {
+        let inside = DVec3::new(draw.unit() - 0.5, draw.unit() - 0.5, 0.0) * 0.8;
+        let lower = index.first_hit(inside, -DVec3::Z, [0.0, 1.0]).expect("there is a sheet below");
+        let upper = index.first_hit(inside, DVec3::Z, [0.0, 1.0]).expect("there is a sheet above");
+        let point = inside.lerp(upper.position, 0.5);
+        let hinted = around.closest(point, Some(lower.at)).expect("finite");
+        assert!(hinted.position.z < 0.0, "{k}: {} is not on the lower sheet", hinted.position);
+        let nearest = everywhere.closest(point, Some(lower.at)).expect("finite");
+        assert!(nearest.position.z > 0.0, "{k}: {} is not on the nearer sheet", nearest.position);
+        assert!(nearest.position.distance(point) < hinted.position.distance(point));
+    }
+}
+
+#[test]
+fn equally_near_places_are_told_apart() {
+    let (points, triangles) = ball(0, 7);
+    let round = points.iter().map(|p| p.normalize()).collect();
+    let index = index(support::plain(round, &triangles));
+    let Err(ClosestError::Ambiguous { point, places }) = index.closest_alone(DVec3::ZERO, 0.01) else {
+        panic!("the centre of a ball is as near to its one side as to the other");
+    };
+    assert_eq!(point, DVec3::ZERO);
+    assert!(places[0].position.dot(places[1].position) < 0.0, "{places:?}");
+    let mut draw = Draw(21);
+    for _ in 0..100 {
+        let near = draw.vector().normalize() * (0.5 + draw.unit());
+        let alone = index.closest_alone(near, 0.01).expect("there is one nearest place");
+        assert_eq!(alone, index.closest(near).expect("finite"));
+    }
+}
+
+#[test]
+fn what_is_not_finite_is_an_error() {
+    let index = Arc::new(index(octant("cone(1,1)")));
+    for bad in [DVec3::NAN, DVec3::INFINITY, DVec3::new(0.0, f64::NEG_INFINITY, 1.0)] {
+        assert!(matches!(index.closest(bad), Err(ClosestError::NotFinite { .. })));
+        assert!(matches!(index.closest_alone(bad, 0.1), Err(ClosestError::NotFinite { .. })));
+        assert!(SurfaceTarget::new(Arc::clone(&index)).closest(bad, None).is_err());
+    }
+    // Hints from elsewhere, and far away points, are merely slow.
+    let nowhere = SurfacePoint::new(FaceId(1 << 20), 0.1, 0.1);
+    let beyond = SurfacePoint::new(FaceId(0), f64::NAN, 17.0);
+    for hint in [nowhere, beyond] {
+        for point in [DVec3::ONE, DVec3::splat(1e100), DVec3::splat(1e-300), DVec3::splat(f64::MAX)] {
+            let found = index.closest_from(point, hint).expect("a finite point");
+            assert!(found.position.is_finite());
+        }
+    }
+}
+
+/// A surface without faces, or one that is NaN on its last face.
+struct Broken(usize);
+
+impl Evaluate for Broken {
+    fn face_count(&self) -> usize {
+        self.0
+    }
+
+    fn jet(&self, at: SurfacePoint) -> Jet {
+        let z = if at.face.index() + 1 == self.0 { f64::NAN } else { 0.0 };
+        Jet { position: at.st.extend(z), ds: DVec3::X, dt: DVec3::Y }
+    }
+}
+
+impl Walk for Broken {
+    fn across(&self, _: FaceId, _: usize) -> Option<(FaceId, usize)> {
+        None
+    }
+
+    fn is_settled(&self, _: u32, _: FaceCode) -> bool {
+        true
+    }
+}
+
+#[test]
+fn surfaces_that_cannot_be_searched_are_refused() {
+    assert_eq!(SurfaceIndex::new(Arc::new(Broken(0))).err(), Some(IndexError::Empty));
+    let Err(IndexError::NotFinite { at }) = SurfaceIndex::new(Arc::new(Broken(3))) else { panic!("it is NaN") };
+    assert_eq!(at.face, FaceId(2));
+}
+
+#[test]
+fn threads_do_not_change_the_bits() {
+    let limit = Arc::new(LimitSurface::new(Arc::new(octant("cone(1,2)"))).expect("a sound surface"));
+    let answers = |threads: usize| -> Vec<Closest> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| {
+            let index = SurfaceIndex::new(Arc::clone(&limit)).expect("a finite surface");
+            let mut draw = Draw(22);
+            let points: Vec<DVec3> = (0..500).map(|_| draw.vector()).collect();
+            selvedge_systems::parallel::map_in_order(points.len(), |i| index.closest(points[i]).expect("finite"))
+        })
+    };
+    let one = answers(1);
+    for threads in 2..=4 {
+        assert_eq!(answers(threads), one, "{threads} threads");
+    }
+}
+
+/// The distance from a surface to itself is rounding, at every level that a fit measures.
+#[test]
+fn a_surface_is_its_own_best_fit() {
+    let mut surface = disc(6, 2, 4, Heading::Along);
+    add_details(&mut surface, 2, 0.02, 6);
+    let target = SurfaceTarget::new(Arc::new(index(surface.clone())));
+    let options = FitOptions { last_level: 2, ..FitOptions::default() };
+    let mut work = FitWork::new(Arc::new(surface), Arc::new(target), options).expect("the options can be met");
+    work.run().expect("every point has a closest one");
+    for rung in work.ladder() {
+        assert!(rung.max < 1e-13, "level {}: {:e}", rung.level, rung.max);
     }
 }

@@ -6,6 +6,7 @@
 //! point by its bound is tried, so the answer is the closest point of all, whatever the start.
 
 mod cells;
+mod line;
 mod seek;
 mod target;
 mod walk;
@@ -16,6 +17,7 @@ use glam::DVec3;
 use selvedge_components::evaluate::SurfacePoint;
 use thiserror::Error;
 
+pub use line::Hit;
 pub use target::{Search, SurfaceTarget};
 pub use walk::Walk;
 

@@ -39,7 +39,7 @@ impl Tangents {
             Some([first, _]) if i == 0 => first,
             Some([_, last]) if i + 1 == valence => last,
             _ => {
-                let (sin, cos) = (self.angle * i as f64).sin_cos();
+                let (sin, cos) = libm::sincos(self.angle * i as f64);
                 self.along * cos + self.across * sin
             }
         })
@@ -74,7 +74,7 @@ impl Ring {
         let angle = 2.0 * PI / self.valence() as f64;
         let (mut along, mut across) = (DVec3::ZERO, DVec3::ZERO);
         for (i, &p) in self.spokes.iter().enumerate() {
-            let (sin, cos) = (angle * i as f64).sin_cos();
+            let (sin, cos) = libm::sincos(angle * i as f64);
             // Differences: far from the origin they keep more digits than the points.
             along += (p - self.centre) * cos;
             across += (p - self.centre) * sin;
@@ -126,10 +126,10 @@ impl Ring {
         }
         let theta = PI / (k - 1) as f64;
         let given = border.rule != BorderRule::Plain;
-        let lambda = if given { 0.5 } else { 0.375 + 0.25 * theta.cos() };
-        let weights = (1..k - 1).map(|i| (theta * i as f64).sin());
+        let lambda = if given { 0.5 } else { 0.375 + 0.25 * libm::cos(theta) };
+        let weights = (1..k - 1).map(|i| libm::sin(theta * i as f64));
         let sum: f64 = weights.clone().sum();
-        let a = (theta.sin() - sum) / (8.0 * lambda - 2.0);
+        let a = (libm::sin(theta) - sum) / (8.0 * lambda - 2.0);
         let inside = weights.zip(&self.spokes[1..]).fold(DVec3::ZERO, |t, (w, &p)| t + (p - c) * w);
         let mut t = inside + ((l - c) + (r - c)) * a;
         if given {
@@ -197,8 +197,8 @@ impl Ring {
         let plain = [self.spokes[0] - self.centre, self.spokes[k - 1] - self.centre];
         let ends @ [first, last] = [0, 1].map(|i| given[i].unwrap_or(plain[i]));
         let special = scheme.corners.corners.get(self.corner as usize);
-        let angle = special.map_or(PI / 3.0, |c| (2.0 - 4.0 * c.weight).clamp(-1.0, 1.0).acos());
-        let (sin, cos) = (angle * (k - 1) as f64).sin_cos();
+        let angle = special.map_or(PI / 3.0, |c| libm::acos((2.0 - 4.0 * c.weight).clamp(-1.0, 1.0)));
+        let (sin, cos) = libm::sincos(angle * (k - 1) as f64);
         if special.is_none() && k > 3 {
             return self.spread_tangents(ends);
         }

@@ -1,8 +1,11 @@
 //! The limit surface of a combined Loop surface, ready to be evaluated anywhere.
 //!
-//! Kept are the levels that details reach, each over no more faces than they influence there; below
-//! them nothing but the rules acts, and [`Patch`] evaluates a face from the rings of its corners
-//! alone. Derived from the surface and dropped at will.
+//! Kept are the levels that details reach, each over no more faces than they influence there, and a
+//! few more around irregular vertices and borders. Below them nothing but the rules acts, and
+//! [`Patch`] evaluates a face from the rings of its corners alone. Derived from the surface and
+//! dropped at will.
+
+mod plan;
 
 use std::sync::Arc;
 
@@ -17,8 +20,8 @@ use selvedge_components::subdivision::{
 use thiserror::Error;
 
 use super::chain::{self, Level};
-use super::region;
 use crate::parallel::map_in_order;
+use plan::Plan;
 
 /// Why a surface cannot be evaluated.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -80,6 +83,8 @@ struct KeptLevel {
     faces: Vec<Face>,
     /// The control points of the faces that one polynomial covers.
     nets: Vec<[u32; 12]>,
+    /// Those with children of their own that something happens to, ascending.
+    unsettled: Vec<FaceCode>,
 }
 
 /// What evaluates a face.
@@ -133,15 +138,9 @@ impl LimitSurface {
     /// Is nothing but subdivision left to come within `code` of `level`: no details, and no rules
     /// that need the surface's own levels?
     pub fn is_settled(&self, level: u32, code: FaceCode) -> bool {
-        let mut face = code.root_face(level).0;
-        for (l, kept) in self.levels.iter().enumerate() {
-            match kept.faces.get(face as usize) {
-                Some(Face::Children(_)) if l as u32 == level => return false,
-                Some(Face::Children(first)) => face = first + (code.0 >> (2 * (level - 1 - l as u32)) & 3) as u32,
-                _ => return true,
-            }
-        }
-        true
+        // Ancestors of unsettled faces are unsettled.
+        let kept = self.levels.get(level as usize);
+        kept.is_none_or(|kept| kept.unsettled.binary_search(&code).is_err())
     }
 
     /// The finest kept face at a place, and the way there.
@@ -207,77 +206,15 @@ impl Evaluate for LimitSurface {
     }
 }
 
-/// Which faces to keep, level by level.
-struct Plan {
-    /// The faces that are evaluated through their children, ascending.
-    split: Vec<Vec<FaceCode>>,
-    /// The faces whose children are kept: those of `split` and what their children's rings reach.
-    refined: Vec<Vec<FaceCode>>,
-}
-
-impl Plan {
-    fn new(surface: &LoopSurface, corners: &CornerTable) -> Self {
-        let split = split_faces(surface, corners);
-        let grow = |level: usize, faces: &[FaceCode]| region::neighbourhood(&surface.mesh, level as u32, faces);
-        let mut refined = vec![Vec::new(); split.len()];
-        for l in (0..split.len()).rev() {
-            let mut needed = grow(l + 1, &region::children(&split[l]));
-            if let Some(finer) = refined.get(l + 1) {
-                needed.extend(grow(l + 1, finer));
-                needed = region::ascending(needed);
-            }
-            refined[l] = region::parents(&needed);
-        }
-        Self { split, refined }
-    }
-
-    fn build(&self, surface: &LoopSurface, corners: &CornerTable, root: Level) -> Vec<KeptLevel> {
-        let mut reached = region::whole(&surface.mesh, 0);
-        let mut level = root;
-        let mut kept = Vec::with_capacity(self.split.len() + 1);
-        for (split, refined) in self.split.iter().zip(&self.refined) {
-            let local: Vec<u32> = refined.iter().filter_map(|&code| level.mesh.find(code)).collect();
-            let (finer, _) = chain::refine(surface, corners, &surface.details, &level, &local);
-            kept.push(KeptLevel::new(level, &reached, split, refined));
-            reached = region::children(split);
-            level = finer;
-        }
-        kept.push(KeptLevel::new(level, &reached, &[], &[]));
-        kept
-    }
-}
-
-/// The faces of each level that do not settle the surface: those whose children a detail of a finer
-/// level influences, or the rules at special corners, which want one level between corners.
-fn split_faces(surface: &LoopSurface, corners: &CornerTable) -> Vec<Vec<FaceCode>> {
-    let mesh = &surface.mesh;
-    let mut split = vec![Vec::new(); surface.details.depth().saturating_sub(1) as usize];
-    let special = corners.corners.iter().flat_map(|c| mesh.ring(c.vertex)).map(|h| FaceCode::root(h.face()));
-    let special = region::neighbourhood(mesh, 0, &region::ascending(special.collect()));
-    if !special.is_empty() && split.is_empty() {
-        split.push(Vec::new());
-    }
-    let mut finer = Vec::new();
-    for l in (0..split.len()).rev() {
-        let level = l as u32 + 1;
-        let stored = surface.details.levels.get(level as usize).map_or(&[][..], Vec::as_slice);
-        // An address that the level does not have stands for nothing.
-        let at = stored.iter().filter_map(|&(address, _)| Some(region::corner_at(mesh, level, address)?.0)).collect();
-        // A detail shapes the faces of two rings around it.
-        let around = region::neighbourhood(mesh, level, &region::ascending(at));
-        let mut faces = region::neighbourhood(mesh, level, &around);
-        faces.extend(&finer);
-        let mut parents = region::parents(&region::ascending(faces));
-        parents.extend(if l == 0 { &special[..] } else { &[] });
-        split[l] = region::ascending(parents);
-        finer = split[l].clone();
-    }
-    split
-}
-
 impl KeptLevel {
     /// The level, of which `reached` are the faces that evaluation may come to.
-    fn new(level: Level, reached: &[FaceCode], split: &[FaceCode], refined: &[FaceCode]) -> Self {
+    fn new(
+        level: Level,
+        reached: &[FaceCode],
+        split: &[FaceCode],
+        refined: &[FaceCode],
+        unsettled: Vec<FaceCode>,
+    ) -> Self {
         let mut faces = vec![Face::Patch; level.mesh.corners.len()];
         let mut nets = Vec::new();
         for &code in reached {
@@ -292,7 +229,7 @@ impl KeptLevel {
                 Face::Patch
             };
         }
-        Self { level, faces, nets }
+        Self { level, faces, nets, unsettled }
     }
 }
 

@@ -1,0 +1,142 @@
+//! Which faces of which levels are kept.
+
+use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
+use selvedge_components::subdivision::{CornerTable, FaceCode, LoopSurface};
+
+use super::KeptLevel;
+use crate::subdivision::chain::{self, Level};
+use crate::subdivision::region;
+
+/// Which faces to keep, level by level.
+pub(super) struct Plan {
+    /// For each level, the faces that are evaluated through their children, ascending.
+    split: Vec<Vec<FaceCode>>,
+    /// Those of them that must be, for something happens below.
+    unsettled: Vec<Vec<FaceCode>>,
+    /// The faces whose children are kept: those of `split` and what their children's rings reach.
+    refined: Vec<Vec<FaceCode>>,
+}
+
+/// Faces next to irregular vertices and borders are kept this many levels deep even if nothing but
+/// subdivision happens there: five sixths of an irregular face are then one polynomial or another,
+/// found and not made anew for each point.
+const EXTRA_LEVELS: usize = 4;
+
+/// ... as long as a level keeps no more faces than this for it: some 30 MB.
+const MOST_EXTRA: usize = 1 << 17;
+
+impl Plan {
+    pub fn new(surface: &LoopSurface, corners: &CornerTable) -> Self {
+        let mut unsettled = unsettled_faces(surface, corners);
+        let finest = FaceCode::finest(surface.mesh.face_count()) as usize;
+        let mut split = unsettled.clone();
+        for (l, irregular) in irregular_faces(&surface.mesh).into_iter().enumerate().take(finest) {
+            if l == split.len() {
+                split.push(Vec::new());
+            }
+            split[l].extend(irregular);
+            split[l] = region::ascending(core::mem::take(&mut split[l]));
+        }
+        unsettled.resize(split.len(), Vec::new());
+        let grow = |level: usize, faces: &[FaceCode]| region::neighbourhood(&surface.mesh, level as u32, faces);
+        let mut refined = vec![Vec::new(); split.len()];
+        for l in (0..split.len()).rev() {
+            let mut needed = grow(l + 1, &region::children(&split[l]));
+            if let Some(finer) = refined.get(l + 1) {
+                needed.extend(grow(l + 1, finer));
+                needed = region::ascending(needed);
+            }
+            refined[l] = region::parents(&needed);
+        }
+        Self { split, unsettled, refined }
+    }
+
+    pub fn build(self, surface: &LoopSurface, corners: &CornerTable, root: Level) -> Vec<KeptLevel> {
+        let mut reached = region::whole(&surface.mesh, 0);
+        let mut level = root;
+        let mut kept = Vec::with_capacity(self.split.len() + 1);
+        for ((split, refined), unsettled) in self.split.iter().zip(&self.refined).zip(self.unsettled) {
+            let local: Vec<u32> = refined.iter().filter_map(|&code| level.mesh.find(code)).collect();
+            let (finer, _) = chain::refine(surface, corners, &surface.details, &level, &local);
+            kept.push(KeptLevel::new(level, &reached, split, refined, unsettled));
+            reached = region::children(split);
+            level = finer;
+        }
+        kept.push(KeptLevel::new(level, &reached, &[], &[], Vec::new()));
+        kept
+    }
+}
+
+/// The faces of each level whose children a detail of a finer level influences, or the rules at special
+/// corners, which want one level between corners.
+fn unsettled_faces(surface: &LoopSurface, corners: &CornerTable) -> Vec<Vec<FaceCode>> {
+    let mesh = &surface.mesh;
+    let mut unsettled = vec![Vec::new(); surface.details.depth().saturating_sub(1) as usize];
+    let special = corners.corners.iter().flat_map(|c| mesh.ring(c.vertex)).map(|h| FaceCode::root(h.face()));
+    let special = region::neighbourhood(mesh, 0, &region::ascending(special.collect()));
+    if !special.is_empty() && unsettled.is_empty() {
+        unsettled.push(Vec::new());
+    }
+    let mut finer = Vec::new();
+    for l in (0..unsettled.len()).rev() {
+        let level = l as u32 + 1;
+        let stored = surface.details.levels.get(level as usize).map_or(&[][..], Vec::as_slice);
+        // An address that the level does not have stands for nothing.
+        let at = stored.iter().filter_map(|&(address, _)| Some(region::corner_at(mesh, level, address)?.0)).collect();
+        // A detail shapes the faces of two rings around it.
+        let around = region::neighbourhood(mesh, level, &region::ascending(at));
+        let mut faces = region::neighbourhood(mesh, level, &around);
+        faces.extend(&finer);
+        let mut parents = region::parents(&region::ascending(faces));
+        parents.extend(if l == 0 { &special[..] } else { &[] });
+        unsettled[l] = region::ascending(parents);
+        finer.clone_from(&unsettled[l]);
+    }
+    unsettled
+}
+
+/// A face on its way down to what makes it irregular.
+#[derive(Clone, Copy)]
+struct Irregular {
+    code: FaceCode,
+    /// Is each corner an irregular vertex or on a border?
+    corners: [bool; 3],
+    /// Does each edge, from a corner to the next, run along a border?
+    edges: [bool; 3],
+}
+
+/// The faces of each level that one polynomial does not cover, as far as they are worth keeping.
+fn irregular_faces(mesh: &Connectivity) -> Vec<Vec<FaceCode>> {
+    let irregular = |v: VertexId| mesh.is_border(v) || mesh.valence(v) != 6;
+    let root = (0..mesh.face_count()).map(FaceId::new).map(|f| Irregular {
+        code: FaceCode::root(f),
+        corners: mesh.face(f).map(irregular),
+        edges: [0, 1, 2].map(|c| mesh.twin(HalfedgeId::of(f, c)).is_none()),
+    });
+    let mut faces: Vec<Irregular> = root.filter(Irregular::is_one).collect();
+    let mut levels = Vec::new();
+    while levels.len() < EXTRA_LEVELS && !faces.is_empty() && 4 * faces.len() <= MOST_EXTRA {
+        levels.push(faces.iter().map(|f| f.code).collect());
+        faces = faces.iter().flat_map(|f| (0..4).map(|c| f.child(c))).filter(Irregular::is_one).collect();
+    }
+    levels
+}
+
+impl Irregular {
+    fn is_one(&self) -> bool {
+        self.corners.contains(&true)
+    }
+
+    /// Halves of edges are as the edges; what an edge's middle is, the edge tells.
+    fn child(&self, child: usize) -> Self {
+        let (mut corners, mut edges) = (self.edges, [false; 3]);
+        if child < 3 {
+            let (next, after) = ((child + 1) % 3, (child + 2) % 3);
+            corners[child] = self.corners[child];
+            corners[next] = self.edges[child];
+            corners[after] = self.edges[after];
+            (edges[child], edges[after]) = (self.edges[child], self.edges[after]);
+        }
+        Self { code: self.code.child(child), corners, edges }
+    }
+}
