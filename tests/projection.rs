@@ -64,8 +64,7 @@ fn lines_pass_through_a_closed_surface_an_even_number_of_times() {
 fn a_curve_over_a_graph_keeps_its_plan() {
     let index = wavy_plate();
     let circle = Circle::new(DVec3::new(4.0, 2.5, 3.0), DVec3::Z, 1.2).expect("a circle");
-    let curve =
-        ProjectedCurve::new(Arc::new(circle.clone()), -DVec3::Z, Arc::clone(&index), Pick::First).expect("a direction");
+    let curve = ProjectedCurve::new(Arc::new(circle), -DVec3::Z, Arc::clone(&index), Pick::First).expect("a direction");
     assert!(curve.closed());
     for k in 0..400 {
         let u = f64::from(k) / 400.0;

@@ -133,6 +133,7 @@ struct Leaf<'a> {
 }
 
 /// What evaluates a leaf.
+#[expect(clippy::large_enum_variant, reason = "one is made per leaf, on the stack")]
 enum Surface<'a> {
     /// One polynomial.
     Quartic(Quartic),
