@@ -21,13 +21,16 @@ pub struct Patch<'a> {
     at: [usize; 3],
 }
 
-/// How often a face at a given border is quartered before the border's own tangents are taken.
+/// The level at which a face at a given border takes the border's own tangents.
 ///
-/// What is left is `2^-16` of a face wide. The jets at its corners are blended there: the position
-/// is then off by the third derivatives over `2^48`, and the first derivatives by the third over
-/// `2^35`. The differences that make the tangents have lost 16 bits, 7e-12 of the size of the
+/// What is left is `2^-16` of a root face wide. The jets at its corners are blended there: the
+/// position is then off by the third derivatives over `2^48`, and the first derivatives by the third
+/// over `2^35`. The differences that make the tangents have lost 16 bits, 7e-12 of the size of the
 /// coordinates; more steps would gain less than they lose.
 const NEAR_BORDER: u32 = 16;
+
+/// A face that details have made is quartered this often at least, however fine it is.
+const LEAST_NEAR_BORDER: u32 = 8;
 
 /// How often a face is quartered towards an irregular vertex. The neighbourhood shrinks by 5/8 at
 /// least: what is left is `(5/8)^84 < 2^-56` of it.
@@ -79,7 +82,7 @@ impl<'a> Patch<'a> {
             if let Some(corner) = weights.iter().position(|&w| w == 1.0) {
                 break self.corner_jet(corner);
             }
-            if depth >= self.deepest() {
+            if depth >= self.deepest(depth) {
                 break self.blend(weights);
             }
             if depth == 1 && !self.reads_curves() {
@@ -176,8 +179,8 @@ impl<'a> Patch<'a> {
         self.rings.iter().any(|r| r.is_given() || !r.beside.is_empty())
     }
 
-    /// How many quarterings are worth it from here on.
-    fn deepest(&self) -> u32 {
+    /// How many quarterings are worth it, of which `depth` are done.
+    fn deepest(&self, depth: u32) -> u32 {
         if !self.rings.iter().any(Ring::is_given) {
             return NEAR_VERTEX;
         }
@@ -185,7 +188,11 @@ impl<'a> Patch<'a> {
             return 0;
         }
         let smooth = |r: &Ring| r.is_smooth() && r.beside.is_empty();
-        if self.rings.iter().all(smooth) { NEAR_BORDER } else { NEAR_VERTEX }
+        if !self.rings.iter().all(smooth) {
+            return NEAR_VERTEX;
+        }
+        let first = self.rings[0].level - depth;
+        NEAR_BORDER.saturating_sub(first).max(LEAST_NEAR_BORDER)
     }
 
     /// The given border edge that the point with `weights` lies on.

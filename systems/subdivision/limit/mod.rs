@@ -186,7 +186,7 @@ impl Evaluate for LimitSurface {
     /// Exact to rounding in the position; on a given border the curve's own point. A face that does
     /// not exist gives NaN.
     ///
-    /// Derivatives are exact to rounding as well, but within `2^-16` of a face from a given border,
+    /// Derivatives are exact to rounding as well, but within `2^-16` of a root face from a given border,
     /// where they are interpolated (third derivatives over `2^35`). At an irregular vertex they are
     /// [`Tangents`](selvedge_components::subdivision::Tangents).
     fn jet(&self, at: SurfacePoint) -> Jet {
