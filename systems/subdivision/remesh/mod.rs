@@ -29,7 +29,7 @@ mod sides;
 pub mod track;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use std::collections::HashMap;
 use std::sync::Arc;
