@@ -163,6 +163,9 @@ impl TrimState {
     }
 }
 
+/// A directed curve as a trim reads it: the curve, the revision that it had, and its heading.
+pub type CutInput = (Arc<dyn Curve>, u64, Heading);
+
 /// All that a trim reads, as it was when it began.
 #[derive(Clone, Debug)]
 pub struct TrimInputs {
@@ -170,9 +173,8 @@ pub struct TrimInputs {
     pub source: Entity,
     /// The revision of its snapshot; `None` while it has none.
     pub revision: Option<u64>,
-    /// The curves: each with the revision that it had and its heading. `None` where the entity named
-    /// has no curve.
-    pub cuts: Vec<Option<(Arc<dyn Curve>, u64, Heading)>>,
+    /// The curves; `None` where the entity named has no curve.
+    pub cuts: Vec<Option<CutInput>>,
     /// How the trim is made.
     pub options: TrimOptions,
     /// The trim's tolerance, if it has one.
@@ -184,8 +186,7 @@ pub struct TrimInputs {
 impl PartialEq for TrimInputs {
     /// Curves are the same when they are one and the same object, of one revision.
     fn eq(&self, other: &Self) -> bool {
-        let same = |a: &Option<(Arc<dyn Curve>, u64, Heading)>, b: &Option<(Arc<dyn Curve>, u64, Heading)>| match (a, b)
-        {
+        let same = |a: &Option<CutInput>, b: &Option<CutInput>| match (a, b) {
             (Some(a), Some(b)) => Arc::ptr_eq(&a.0, &b.0) && (a.1, a.2) == (b.1, b.2),
             (None, None) => true,
             _ => false,
