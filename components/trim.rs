@@ -47,6 +47,31 @@ pub struct TrimCurve {
     pub heading: Heading,
 }
 
+/// What a stretch of a trimmed border runs along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum BorderLine {
+    /// A side of the source, by its index there.
+    Side(usize),
+    /// A cut, by its index among the cuts.
+    Cut(usize),
+}
+
+/// A corner of a trimmed border where one line ends on another: where two cuts cross, or a cut
+/// leaves the source across its border.
+///
+/// Of the two lines the older gives the point, to the bit: a side of the source is older than a cut,
+/// and a cut older than those after it. Everywhere else a border is its own line's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Junction {
+    /// The point, in model units.
+    pub point: DVec3,
+    /// The lines, the older first, each with its parameter there: of a curve the curve's own, of a
+    /// plain side the share of it, from its first vertex on.
+    pub ends: [(BorderLine, f64); 2],
+    /// How far apart the lines are there, in model units.
+    pub gap: f64,
+}
+
 /// How a trim is made: settings, each with a default.
 #[derive(Component, Clone, Debug, PartialEq)]
 pub struct TrimOptions {
