@@ -9,3 +9,4 @@ pub mod octant_pictures;
 #[cfg(feature = "diagram")]
 pub mod stencil_pictures;
 pub mod stencils;
+pub mod trims;
