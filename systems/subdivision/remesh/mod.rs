@@ -20,7 +20,6 @@ pub mod attach;
 pub mod cleanup;
 pub mod closure;
 mod crossing;
-pub mod error;
 pub mod field;
 pub mod leaves;
 pub mod path;
@@ -30,7 +29,7 @@ mod sides;
 pub mod track;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -38,6 +37,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use selvedge_components::curve::{Curve, CurveParameters, Heading};
 use selvedge_components::mesh::Connectivity;
+pub use selvedge_components::subdivision::remesh as error;
 use selvedge_components::subdivision::{CornerTable, LoopSurface, NONE};
 
 pub use adapt::AdaptOptions;

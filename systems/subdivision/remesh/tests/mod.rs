@@ -9,4 +9,4 @@ mod draw;
 mod judge;
 mod refusals;
 mod shapes;
-mod support;
+pub(crate) mod support;

@@ -1,12 +1,12 @@
 //! Why a surface could not be remeshed: what, where and by how much.
 
 use glam::DVec3;
-use selvedge_components::curve::ParameterError;
-use selvedge_components::evaluate::SurfacePoint;
-use selvedge_components::mesh::{Fault, VertexId};
 use thiserror::Error;
 
-use selvedge_components::target::TargetError;
+use crate::curve::ParameterError;
+use crate::evaluate::SurfacePoint;
+use crate::mesh::{Fault, VertexId};
+use crate::target::TargetError;
 
 /// A curve has no usable pre-image on the surface.
 #[derive(Clone, Debug, PartialEq, Error)]
