@@ -1,42 +1,25 @@
 //! The surfaces that are trimmed, and curves laid on them.
 
-use std::fmt;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use selvedge_components::curve::{Curve, Heading};
-use selvedge_components::mesh::VertexId;
+use selvedge_components::mesh::{Connectivity, VertexId};
 use selvedge_components::subdivision::LoopSurface;
-use selvedge_systems::closest::{SurfaceIndex, SurfaceTarget};
 use selvedge_systems::projected_curve::{Pick, ProjectedCurve};
 use selvedge_systems::subdivision::limit::LimitSurface;
 use selvedge_systems::subdivision::remesh::Cut;
+use selvedge_systems::subdivision::trim::Ground;
 
 use super::{TrimSceneError, disc};
 use crate::io::{Cage, Limits, obj};
-
-/// A surface with its limit surface ready to be searched. It is a graph over the plane of x and y, so
-/// a vertical line meets it once.
-#[derive(Clone)]
-pub struct Ground {
-    /// The surface.
-    pub surface: Arc<LoopSurface>,
-    /// Its limit surface.
-    pub index: Arc<SurfaceIndex<LimitSurface>>,
-}
-
-impl fmt::Debug for Ground {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Ground").field("faces", &self.surface.mesh.face_count()).finish_non_exhaustive()
-    }
-}
 
 /// The contoured plate of 0.4 m: a regular lattice of 8 by 8 squares of 50 mm, each cut by its diagonal,
 /// with waves of some 6 mm.
 ///
 /// # Errors
 /// None, as long as the file that was built in is what it should be.
-pub fn plate8() -> Result<Ground, TrimSceneError> {
+pub fn plate8() -> Result<Arc<Ground>, TrimSceneError> {
     plate(include_bytes!("../../../data/plates/plate8.obj"), 8)
 }
 
@@ -44,72 +27,63 @@ pub fn plate8() -> Result<Ground, TrimSceneError> {
 ///
 /// # Errors
 /// As [`plate8`].
-pub fn plate32() -> Result<Ground, TrimSceneError> {
+pub fn plate32() -> Result<Arc<Ground>, TrimSceneError> {
     plate(include_bytes!("../../../data/plates/plate32.obj"), 32)
 }
 
-fn plate(file: &[u8], squares: u32) -> Result<Ground, TrimSceneError> {
+fn plate(file: &[u8], squares: u32) -> Result<Arc<Ground>, TrimSceneError> {
     let Cage { positions, triangles, .. } = Cage::from_polygons(obj::read(file, &Limits::default())?)?;
-    let mesh = selvedge_components::mesh::Connectivity::new(positions.len(), &triangles);
+    let mesh = Connectivity::new(positions.len(), &triangles);
     let mesh = Arc::new(mesh.map_err(TrimSceneError::Mesh)?);
     let (n, last) = (squares + 1, (squares + 1) * squares);
     let corners = [0, squares, last, last + n - 1].map(VertexId);
-    Ground::new(LoopSurface::plain(mesh, positions, &corners))
+    ready(LoopSurface::plain(mesh, positions, &corners))
 }
 
 /// The contoured disc of [`disc::surface`].
 ///
 /// # Errors
 /// None, as long as the disc is what it should be.
-pub fn contoured_disc() -> Result<Ground, TrimSceneError> {
-    Ground::new(disc::surface()?)
+pub fn contoured_disc() -> Result<Arc<Ground>, TrimSceneError> {
+    ready(disc::surface()?)
 }
 
-impl Ground {
-    /// Prepares a surface.
-    ///
-    /// # Errors
-    /// If it cannot be evaluated or searched.
-    pub fn new(surface: LoopSurface) -> Result<Self, TrimSceneError> {
-        let surface = Arc::new(surface);
-        let limit = Arc::new(LimitSurface::new(Arc::clone(&surface))?);
-        Ok(Self { surface, index: Arc::new(SurfaceIndex::new(limit)?) })
-    }
+/// A surface, ready to be trimmed.
+///
+/// # Errors
+/// If it cannot be evaluated or searched.
+pub fn ready(surface: LoopSurface) -> Result<Arc<Ground>, TrimSceneError> {
+    Ok(Arc::new(Ground::new(Arc::new(surface), 0)?))
+}
 
-    /// The limit surface as what fits are made to and measured against.
-    pub fn target(&self) -> SurfaceTarget<LimitSurface> {
-        SurfaceTarget::new(Arc::clone(&self.index))
-    }
+/// A plane curve carried onto `ground` along z: where it leaves the surface, it goes on in the plane.
+/// The surface is a graph over the plane, so a vertical line meets it once.
+///
+/// # Errors
+/// None: z is a direction.
+pub fn lay(ground: &Ground, plane: Arc<dyn Curve>) -> Result<Arc<dyn Curve>, TrimSceneError> {
+    let above: Arc<dyn Curve> = Arc::new(Lifted(Arc::clone(&plane)));
+    let onto = ProjectedCurve::new(above, DVec3::NEG_Z, Arc::clone(&ground.index), Pick::First)?;
+    Ok(Arc::new(Laid { onto, plane }))
+}
 
-    /// A plane curve carried onto the surface along z: where it leaves the surface, it goes on in the
-    /// plane.
-    ///
-    /// # Errors
-    /// None: z is a direction.
-    pub fn lay(&self, plane: Arc<dyn Curve>) -> Result<Arc<dyn Curve>, TrimSceneError> {
-        let above: Arc<dyn Curve> = Arc::new(Lifted(Arc::clone(&plane)));
-        let onto = ProjectedCurve::new(above, DVec3::NEG_Z, Arc::clone(&self.index), Pick::First)?;
-        Ok(Arc::new(Laid { onto, plane }))
-    }
+/// The cut along a closed plane curve, laid on `ground`, that takes away what is inside.
+///
+/// # Errors
+/// As [`lay`].
+pub fn hole(ground: &Ground, plane: Arc<dyn Curve>) -> Result<Cut, TrimSceneError> {
+    let heading = if turns_left(&*plane) { Heading::Against } else { Heading::Along };
+    Ok(Cut { curve: lay(ground, plane)?, heading })
+}
 
-    /// The cut along a closed plane curve, laid on the surface, that takes away what is inside.
-    ///
-    /// # Errors
-    /// As [`Self::lay`].
-    pub fn hole(&self, plane: Arc<dyn Curve>) -> Result<Cut, TrimSceneError> {
-        let heading = if turns_left(&*plane) { Heading::Against } else { Heading::Along };
-        Ok(Cut { curve: self.lay(plane)?, heading })
-    }
-
-    /// The cut along a closed plane curve, laid on the surface, that keeps what is inside.
-    ///
-    /// # Errors
-    /// As [`Self::lay`].
-    pub fn island(&self, plane: Arc<dyn Curve>) -> Result<Cut, TrimSceneError> {
-        let hole = self.hole(plane)?;
-        let heading = if hole.heading == Heading::Along { Heading::Against } else { Heading::Along };
-        Ok(Cut { heading, ..hole })
-    }
+/// The cut along a closed plane curve, laid on `ground`, that keeps what is inside.
+///
+/// # Errors
+/// As [`lay`].
+pub fn island(ground: &Ground, plane: Arc<dyn Curve>) -> Result<Cut, TrimSceneError> {
+    let hole = hole(ground, plane)?;
+    let heading = if hole.heading == Heading::Along { Heading::Against } else { Heading::Along };
+    Ok(Cut { heading, ..hole })
 }
 
 /// Does a closed plane curve run counter-clockwise? By the area of a polygon on it.

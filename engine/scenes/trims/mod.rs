@@ -20,30 +20,31 @@ mod run;
 pub mod shapes;
 pub mod subjects;
 
+use std::sync::Arc;
+
 use selvedge_components::curve::{ParameterError, ShapeError};
 use selvedge_components::mesh::Fault;
+use selvedge_components::trim::TrimFault;
 use selvedge_components::triangulation::TriangulateError;
-use selvedge_systems::closest::IndexError;
 use selvedge_systems::projected_curve::ProjectError;
-use selvedge_systems::subdivision::fit::FitError;
 use selvedge_systems::subdivision::limit::LimitError;
-use selvedge_systems::subdivision::remesh::{Cut, RemeshError};
+use selvedge_systems::subdivision::remesh::Cut;
+use selvedge_systems::subdivision::trim::Ground;
 use thiserror::Error;
 
-pub use run::{Level, Settings, Trimmed, run};
+pub use run::{Settings, Trimmed, run};
 
 use crate::io::CageError;
 use crate::io::obj::ObjError;
-use ground::Ground;
 
 /// A surface and what is cut from it.
 #[derive(Clone, Debug)]
-pub struct Subject {
+pub struct Scene {
     /// What it is called.
     pub name: String,
     /// The surface.
-    pub ground: Ground,
-    /// The trims, each a set of directed curves that act together; done one after the other.
+    pub ground: Arc<Ground>,
+    /// The trims, in order; the curves of each act together.
     pub trims: Vec<Vec<Cut>>,
 }
 
@@ -66,31 +67,15 @@ pub enum TrimSceneError {
     /// The parameters along a curve.
     #[error(transparent)]
     Parameters(#[from] ParameterError),
-    /// The limit surface.
-    #[error(transparent)]
-    Limit(#[from] LimitError),
-    /// The index of the limit surface.
-    #[error(transparent)]
-    Index(#[from] IndexError),
     /// The projection of a curve.
     #[error(transparent)]
     Project(#[from] ProjectError),
-    /// A trim's cage.
-    #[error("trim {trim}: {source}")]
-    Remesh {
-        /// Which trim, counted from 0.
-        trim: usize,
-        /// Why.
-        source: RemeshError,
-    },
-    /// A trim's fit.
-    #[error("trim {trim}: {source}")]
-    Fit {
-        /// Which trim, counted from 0.
-        trim: usize,
-        /// Why.
-        source: FitError,
-    },
+    /// The limit surface of what is left.
+    #[error(transparent)]
+    Limit(#[from] LimitError),
+    /// The trim.
+    #[error(transparent)]
+    Trim(#[from] TrimFault),
     /// The triangles of the result.
     #[error(transparent)]
     Triangulate(#[from] TriangulateError),

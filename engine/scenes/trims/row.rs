@@ -1,5 +1,6 @@
 //! The figures of a trim, as the examples print them.
 
+use selvedge_components::subdivision::fit::Rung;
 use selvedge_systems::triangulate::{Density, TriangulateOptions, triangulate};
 use serde::Serialize;
 
@@ -58,7 +59,7 @@ pub struct LevelRow {
 const LOOK: u32 = 2;
 
 impl TrimRow {
-    /// Measures a scene; of several trims the ladder is the worst of each level.
+    /// Measures a scene.
     ///
     /// # Errors
     /// If the result cannot be evaluated.
@@ -66,16 +67,15 @@ impl TrimRow {
         let options = TriangulateOptions { density: Density::Level(LOOK), ..TriangulateOptions::default() };
         let triangles = triangulate(&trimmed.surface, &options)?.triangles;
         let mesh = &trimmed.surface.mesh;
-        let initial = trimmed.trims.iter().filter_map(|t| t.initial);
         Ok(Self {
             name: trimmed.name.clone(),
-            tolerance_m: settings.tolerance,
-            remesh_max_m: initial.map(|rung| rung.max).fold(0.0, f64::max),
-            levels: levels(trimmed),
+            tolerance_m: settings.tolerance.map(|t| t.fit),
+            remesh_max_m: trimmed.initial.map_or(f64::NAN, |rung| rung.max),
+            levels: trimmed.ladder.iter().map(LevelRow::new).collect(),
             achieved_max_m: measure::achieved(trimmed)?,
             open_edges: measure::open_edges(&triangles, mesh),
             curve_samples_exact: measure::curve_samples_exact(&trimmed.surface, &triangles, LOOK),
-            outside_faces: trimmed.untouched.iter().flatten().count(),
+            outside_faces: trimmed.untouched().count(),
             outside_bit_identical: measure::outside_is_identical(trimmed)?,
             changed_radius_m: measure::changed_radius(trimmed)?,
             max_valence: measure::most_valence(mesh),
@@ -103,31 +103,9 @@ impl TrimRow {
     }
 }
 
-/// The ladder; of several trims the worst of each level, and all details.
-fn levels(trimmed: &Trimmed) -> Vec<LevelRow> {
-    let rungs = trimmed.trims.iter().flat_map(|t| &t.ladder);
-    let mut levels: Vec<LevelRow> = Vec::new();
-    for rung in rungs {
-        let row = LevelRow {
-            level: rung.level,
-            max_m: rung.max,
-            mean_m: rung.mean,
-            details: rung.details,
-            active: rung.active,
-        };
-        match levels.iter_mut().find(|l| l.level == rung.level) {
-            None => levels.push(row),
-            Some(l) => {
-                *l = LevelRow {
-                    level: l.level,
-                    max_m: l.max_m.max(row.max_m),
-                    mean_m: l.mean_m.max(row.mean_m),
-                    details: l.details.max(row.details),
-                    active: l.active + row.active,
-                };
-            }
-        }
+impl LevelRow {
+    fn new(rung: &Rung) -> Self {
+        let &Rung { level, max: max_m, mean: mean_m, details, active, .. } = rung;
+        Self { level, max_m, mean_m, details, active }
     }
-    levels.sort_by_key(|l| l.level);
-    levels
 }

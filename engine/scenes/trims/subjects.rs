@@ -5,10 +5,11 @@ use std::sync::Arc;
 use glam::DVec2;
 use selvedge_components::curve::Curve;
 use selvedge_systems::subdivision::remesh::Cut;
+use selvedge_systems::subdivision::trim::Ground;
 
-use super::ground::{Ground, contoured_disc, plate8, plate32};
+use super::ground::{contoured_disc, hole, island, plate8, plate32};
 use super::shapes::{Bent, circle, direction, outline, slot, star};
-use super::{Subject, TrimSceneError, disc};
+use super::{Scene, TrimSceneError, disc};
 
 const fn at(x: f64, y: f64) -> DVec2 {
     DVec2::new(x, y)
@@ -23,7 +24,7 @@ const BORE_RADIUS: f64 = 0.06;
 ///
 /// # Errors
 /// None, as long as the files built in are what they should be.
-pub fn bore8() -> Result<Subject, TrimSceneError> {
+pub fn bore8() -> Result<Scene, TrimSceneError> {
     bore("plate8 bore R60", plate8()?)
 }
 
@@ -31,13 +32,13 @@ pub fn bore8() -> Result<Subject, TrimSceneError> {
 ///
 /// # Errors
 /// As [`bore8`].
-pub fn bore32() -> Result<Subject, TrimSceneError> {
+pub fn bore32() -> Result<Scene, TrimSceneError> {
     bore("plate32 bore R60", plate32()?)
 }
 
-fn bore(name: &str, ground: Ground) -> Result<Subject, TrimSceneError> {
-    let cut = ground.hole(circle(BORE, BORE_RADIUS)?)?;
-    Ok(Subject { name: name.into(), ground, trims: vec![vec![cut]] })
+fn bore(name: &str, ground: Arc<Ground>) -> Result<Scene, TrimSceneError> {
+    let cut = hole(&ground, circle(BORE, BORE_RADIUS)?)?;
+    Ok(Scene { name: name.into(), ground, trims: vec![vec![cut]] })
 }
 
 /// The hubcap: a contoured disc of 0.4 m with a middle bore, five bolt holes and five swept cut-outs,
@@ -46,15 +47,15 @@ fn bore(name: &str, ground: Ground) -> Result<Subject, TrimSceneError> {
 ///
 /// # Errors
 /// None, as long as the disc is what it should be.
-pub fn hubcap() -> Result<Subject, TrimSceneError> {
+pub fn hubcap() -> Result<Scene, TrimSceneError> {
     let ground = contoured_disc()?;
-    let mut cuts = vec![ground.hole(circle(DVec2::ZERO, 0.026)?)?];
+    let mut cuts = vec![hole(&ground, circle(DVec2::ZERO, 0.026)?)?];
     for k in 0..5 {
         let turn = 0.25 + 0.2 * f64::from(k);
-        cuts.push(ground.hole(circle(0.057 * direction(turn + 0.1), 0.0085)?)?);
-        cuts.push(ground.hole(cut_out(turn)?)?);
+        cuts.push(hole(&ground, circle(0.057 * direction(turn + 0.1), 0.0085)?)?);
+        cuts.push(hole(&ground, cut_out(turn)?)?);
     }
-    Ok(Subject { name: "hubcap".into(), ground, trims: vec![cuts] })
+    Ok(Scene { name: "hubcap".into(), ground, trims: vec![cuts] })
 }
 
 /// One of the swept cut-outs, about an angle in turns: narrow inside, wide outside, its trailing outer
@@ -78,17 +79,17 @@ pub const WALLS: [f64; 8] = [0.020, 0.010, 0.005, 0.002, 0.001, 0.0005, 0.0002, 
 ///
 /// # Errors
 /// None, as long as the disc is what it should be.
-pub fn thin_wall(wall: f64) -> Result<Subject, TrimSceneError> {
+pub fn thin_wall(wall: f64) -> Result<Scene, TrimSceneError> {
     const BORE: f64 = 0.03;
     let ground = contoured_disc()?;
     let middle = (disc::RADIUS - BORE - wall) * direction(0.07);
-    let cut = ground.hole(circle(middle, BORE)?)?;
+    let cut = hole(&ground, circle(middle, BORE)?)?;
     let name = if wall < 0.0 {
         format!("bore {} mm through the rim", -1e3 * wall)
     } else {
         format!("wall of {} mm", 1e3 * wall)
     };
-    Ok(Subject { name, ground, trims: vec![vec![cut]] })
+    Ok(Scene { name, ground, trims: vec![vec![cut]] })
 }
 
 /// A star with sharp convex and concave corners, an S-shaped slot, and a round hole with an island in
@@ -96,14 +97,14 @@ pub fn thin_wall(wall: f64) -> Result<Subject, TrimSceneError> {
 ///
 /// # Errors
 /// None, as long as the files built in are what they should be.
-pub fn stars() -> Result<Vec<Subject>, TrimSceneError> {
+pub fn stars() -> Result<Vec<Scene>, TrimSceneError> {
     let ground = plate8()?;
-    let hole = |plane| ground.hole(plane);
+    let hole = |plane| hole(&ground, plane);
     let sharp = hole(star(at(0.008, -0.005), 5, [0.045, 0.11], 0.25)?)?;
     let round = hole(circle(at(0.01, -0.01), 0.11)?)?;
-    let island = ground.island(star(at(0.012, -0.006), 4, [0.035, 0.07], 0.12)?)?;
+    let island = island(&ground, star(at(0.012, -0.006), 4, [0.035, 0.07], 0.12)?)?;
     let scenes = [("star", vec![sharp]), ("S-shaped slot", vec![hole(s_slot()?)?]), ("island", vec![round, island])];
-    let scene = |(name, cuts): (&str, Vec<Cut>)| Subject { name: name.into(), ground: ground.clone(), trims: vec![cuts] };
+    let scene = |(name, cuts): (&str, Vec<Cut>)| Scene { name: name.into(), ground: ground.clone(), trims: vec![cuts] };
     Ok(scenes.into_iter().map(scene).collect())
 }
 
@@ -117,11 +118,11 @@ fn s_slot() -> Result<Arc<dyn Curve>, TrimSceneError> {
 ///
 /// # Errors
 /// None, as long as the files built in are what they should be.
-pub fn successive() -> Result<Subject, TrimSceneError> {
+pub fn successive() -> Result<Scene, TrimSceneError> {
     let ground = plate32()?;
     let mut trims: Vec<Vec<Cut>> = Vec::new();
     let mut cut = |plane: Arc<dyn Curve>| -> Result<(), TrimSceneError> {
-        trims.push(vec![ground.hole(plane)?]);
+        trims.push(vec![hole(&ground, plane)?]);
         Ok(())
     };
     for k in 0..8 {
@@ -143,5 +144,5 @@ pub fn successive() -> Result<Subject, TrimSceneError> {
         let middle = at(0.02, -0.01) + 0.42 * direction(turn) + (0.055 + 0.004 * f64::from(k)) * direction(turn + 0.5);
         cut(circle(middle, 0.035)?)?;
     }
-    Ok(Subject { name: "20 trims in a row".into(), ground, trims })
+    Ok(Scene { name: "20 trims in a row".into(), ground, trims })
 }
