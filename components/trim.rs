@@ -146,12 +146,21 @@ pub enum TrimQuantum {
 pub enum TrimState {
     /// It is at this stage; its marker says the same.
     Running(TrimStage),
+    /// Its curves are located, and it waits for the other trims of its source to be, too.
+    Located,
     /// It touches others, and is made together with them: this one carries the work.
     With(Entity),
     /// It is done, and its report is there.
     Finished,
     /// It failed, and its failure is there.
     Failed,
+}
+
+impl TrimState {
+    /// Is the trim being worked on?
+    pub const fn is_running(self) -> bool {
+        !matches!(self, Self::Finished | Self::Failed)
+    }
 }
 
 /// All that a trim reads, as it was when it began.
@@ -199,6 +208,11 @@ pub struct TrimJob {
     /// What the stage that ran in this pass has to say. The system of a stage sets it, once a pass,
     /// on each trim that bears the stage's marker; the end of the pass takes it.
     pub step: Option<Result<TrimQuantum, TrimFault>>,
+    /// Which of the trims made together a failed [`Self::step`] is about, if that can be told.
+    pub blamed: Option<Entity>,
+    /// The trims that it is made together with, itself included, in their order; none before it is
+    /// known which they are. The first carries the work.
+    pub together: Vec<Entity>,
     /// How many work quanta it has taken, those of the fit included.
     pub quanta: u64,
 }
@@ -206,12 +220,17 @@ pub struct TrimJob {
 impl TrimJob {
     /// A trim that begins with these inputs.
     pub const fn new(state: TrimState, inputs: TrimInputs) -> Self {
-        Self { state, inputs, step: None, quanta: 0 }
+        Self { state, inputs, step: None, blamed: None, together: Vec::new(), quanta: 0 }
+    }
+
+    /// Does another trim, made together with this one, carry the work?
+    pub fn is_led_by(&self, trim: Entity) -> bool {
+        self.together.first().is_some_and(|&lead| lead != trim)
     }
 
     /// Is it being worked on?
     pub const fn is_running(&self) -> bool {
-        matches!(self.state, TrimState::Running(_) | TrimState::With(_))
+        self.state.is_running()
     }
 }
 

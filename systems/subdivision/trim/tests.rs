@@ -8,7 +8,7 @@ use selvedge_components::curve::{Circle, Heading};
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::trim::TrimOptions;
 
-use super::{Ground, TrimWork};
+use super::{Ground, LocateWork, TrimWork};
 use crate::projected_curve::{Pick, ProjectedCurve};
 use crate::subdivision::remesh::Cut;
 use crate::subdivision::remesh::tests::support::plate8;
@@ -26,8 +26,9 @@ fn a_bore_meets_its_tolerance_and_passes_its_audit() {
     for fit in [13e-6, 1e-6, 1e-8] {
         let tolerance = Tolerance { fit, chord: fit, curve: fit };
         let clock = std::time::Instant::now();
-        let mut work = TrimWork::new(Arc::clone(&ground), vec![cut.clone()], TrimOptions::default(), Some(tolerance))
-            .expect("a trim");
+        let located = LocateWork::new(Arc::clone(&ground), vec![cut.clone()], TrimOptions::default(), Some(tolerance));
+        let located = located.expect("a trim").run().expect("a curve");
+        let mut work = TrimWork::new(Arc::clone(&ground), vec![located]);
         let fit = work.run(&Budgets::default()).expect("a bore");
         println!("{:?} {:#?}", clock.elapsed(), work.report(&fit).expect("a report"));
     }
