@@ -18,7 +18,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     for scene in scenes {
     let trimmed = match run(&scene, &settings) { Ok(t) => t, Err(w) => { println!("{}: {w}", scene.name); continue } };
     let t = std::time::Instant::now();
-    for line in TrimRow::of(&trimmed, &settings)?.lines() { println!("{line}"); }
+    if std::env::var("PIC").is_err() { for line in TrimRow::of(&trimmed, &settings)?.lines() { println!("{line}"); } }
+    if std::env::var("PIC").is_ok() {
+        use selvedge::scenes::trim_pictures::*;
+        use selvedge::diagram::camera::*;
+        std::fs::create_dir_all("out")?;
+        let t = std::time::Instant::now();
+        stages::figure(&trimmed)?.save("out/p_stages.png")?; println!("{:?}", t.elapsed());
+        stages::resampled(&trimmed)?.save("out/p_resampled.png")?;println!("{:?}", t.elapsed());
+        regions::figure(&trimmed)?.save("out/p_regions.png")?;println!("{:?}", t.elapsed());
+        let view = View::from_angles(-70.0, 38.0);
+        let style = errors::MapStyle { view: View::from_angles(-90.0, 89.9).orthographic(), frame: Frame::new(520,520), level: std::env::var("PIC")?.parse()?, columns: 3 };
+        errors::maps(&trimmed, &style)?.save("out/p_errors.png")?;println!("{:?}", t.elapsed());
+        views::figure(&trimmed, &view, Frame::new(900,640))?.save("out/p_views.png")?;println!("{:?}", t.elapsed());
+        views::portrait(&trimmed, &view, Frame::new(1400,1000))?.save("out/p_portrait.png")?;println!("{:?}", t.elapsed());
+        errors::ladder("ladder", &[("bore", &trimmed)])?.save("out/p_ladder.png")?;println!("{:?}", t.elapsed());
+        return Ok(());
+    }
     println!("measured in {:?}", t.elapsed());
     }
     Ok(())

@@ -11,6 +11,7 @@ use selvedge_components::triangles::Triangles;
 use selvedge_systems::closest::Search;
 use selvedge_systems::parallel::map_in_order;
 use selvedge_systems::subdivision::limit::LimitSurface;
+use selvedge_systems::triangulate::{Density, TriangulateOptions, triangulate};
 
 use super::TrimSceneError;
 use super::run::Trimmed;
@@ -88,30 +89,23 @@ pub fn curve_samples_exact(surface: &LoopSurface, triangles: &Triangles, level: 
     inner.is_subset(&open) && open.difference(&curves).count() <= plain
 }
 
-/// Compares both limit surfaces where nothing should have changed, each evaluated by itself: are they
-/// the same bits at 15 places of every such face?
+/// Compares both limit surfaces where nothing should have changed, each triangulated by itself: are the
+/// limit points of every such face the same bits, two levels down?
 ///
 /// # Errors
-/// If the result cannot be evaluated.
+/// If one of them cannot be triangulated.
 pub fn outside_is_identical(trimmed: &Trimmed) -> Result<bool, TrimSceneError> {
-    const STEPS: u32 = 4;
-    let now = LimitSurface::new(trimmed.surface.clone())?;
-    let then = LimitSurface::new(trimmed.ground.surface.clone())?;
-    let pairs: Vec<(FaceId, FaceId)> = trimmed.untouched().collect();
-    let same = map_in_order(pairs.len(), |i| {
-        let (face, old) = pairs[i];
-        lattice(STEPS).all(|st| {
-            let [a, b] = [now.position(SurfacePoint { face, st }), then.position(SurfacePoint { face: old, st })];
-            a.to_array().map(f64::to_bits) == b.to_array().map(f64::to_bits)
-        })
-    });
-    if let Some(i) = same.iter().position(|s| !s) { let n = same.iter().filter(|s| !**s).count(); let st = DVec2::new(0.25,0.5); let (f,o)=pairs[i]; eprintln!("{n} differ, first {f} {o} {:?} {:?} {:?}", trimmed.surface.mesh.face(f).map(|v| trimmed.remeshed.vertex_origin[v.index()]), trimmed.ground.surface.mesh.face(o), now.position(SurfacePoint{face:f,st})-then.position(SurfacePoint{face:o,st})); }
-    Ok(same.into_iter().all(|same| same))
-}
-
-fn lattice(n: u32) -> impl Iterator<Item = DVec2> {
-    let of = move |i: u32| (0..=n - i).map(move |j| DVec2::new(f64::from(i), f64::from(j)) / f64::from(n));
-    (0..=n).flat_map(of)
+    const LEVEL: u32 = 2;
+    let options = TriangulateOptions { density: Density::Level(LEVEL), ..TriangulateOptions::default() };
+    let now = triangulate(&trimmed.surface, &options)?.triangles;
+    let then = triangulate(&trimmed.ground.surface, &options)?.triangles;
+    // Triangles stand by root face, then along the path of quarters.
+    let count = 1_usize << (2 * LEVEL);
+    let of = |made: &Triangles, face: FaceId, k: usize| {
+        made.triangles[count * face.index() + k].map(|v| made.positions[v as usize].to_array().map(f64::to_bits))
+    };
+    let same = |face, old| (0..count).all(|k| of(&now, face, k) == of(&then, old, k));
+    Ok(trimmed.untouched().all(|(face, old)| same(face, old)))
 }
 
 /// The greatest distance from the trimmed limit surface to the given one: 45 random places of every

@@ -10,7 +10,7 @@ use selvedge_components::subdivision::{Details, FaceCode, LoopSurface};
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::trim::{TrimFault, TrimOptions, TrimQuantum};
 use selvedge_systems::subdivision::remesh::{Cut, FaceOrigin, PreImage, Remeshed};
-use selvedge_systems::subdivision::trim::{Ground, TrimWork};
+use selvedge_systems::subdivision::trim::{Ground, LocateWork, TrimWork};
 
 use super::Scene;
 
@@ -104,12 +104,18 @@ impl Trimmed {
 /// What stands against them.
 pub fn run(scene: &Scene, settings: &Settings) -> Result<Trimmed, TrimFault> {
     let budgets = Budgets::default();
-    let cuts: Vec<Cut> = scene.trims.iter().flatten().cloned().collect();
     let mut clock = Clock::default();
     let ground = Arc::clone(&scene.ground);
-    let mut work = TrimWork::new(Arc::clone(&ground), cuts, settings.options.clone(), settings.tolerance)?;
-    while clock.time(|| work.locate())? == TrimQuantum::More {}
-    let mut fit = clock.time(|| work.remesh(&budgets))?;
+    let mut located = Vec::with_capacity(scene.trims.len());
+    for cuts in &scene.trims {
+        let Settings { options, tolerance } = settings.clone();
+        let mut work = LocateWork::new(Arc::clone(&ground), cuts.clone(), options, tolerance)?;
+        while clock.time(|| work.advance())? == TrimQuantum::More {}
+        located.push(Arc::clone(work.found()));
+    }
+    let mut work = TrimWork::new(Arc::clone(&ground), located);
+    clock.time(|| work.remesh(&budgets)).map_err(|blamed| blamed.why)?;
+    let mut fit = work.take_fit().expect("remeshing has just begun a fit");
     while clock.time(|| fit.advance())? != Quantum::Finished {}
     let remeshed = Arc::clone(work.remeshed().expect("a cage that is fitted"));
     let surface = LoopSurface { details: fit.details().clone(), ..remeshed.surface.clone() };
@@ -117,8 +123,8 @@ pub fn run(scene: &Scene, settings: &Settings) -> Result<Trimmed, TrimFault> {
         name: scene.name.clone(),
         ground,
         surface: Arc::new(surface),
-        cuts: work.parts().iter().map(|&(cut, _)| work.cuts()[cut].clone()).collect(),
-        images: work.parts().iter().map(|(_, image)| image.clone()).collect(),
+        cuts: work.parts().map(|(cut, _)| cut.clone()).collect(),
+        images: work.parts().map(|(_, image)| image.clone()).collect(),
         omega: remeshed.omega(),
         remeshed,
         initial: fit.initial().copied(),
