@@ -15,7 +15,7 @@ use crate::diagram::shade::Surface;
 use crate::scenes::trims::{TrimSceneError, Trimmed};
 
 /// How far the triangles of a picture may stand off, as a part of the size: less than its pixels.
-const CHORD: f64 = 1e-4;
+const CHORD: f64 = 2e-5;
 
 /// The given surface and the trimmed one, and below them their cages. [Fig. 12]
 ///

@@ -51,7 +51,7 @@ fn height(p: DVec2) -> f64 {
     let square = unit.rotate(unit);
     let lobes = square.rotate(square).rotate(unit).x;
     let fall = (1.0 - r * r).max(0.0);
-    0.001 * (9.0 * bump(0.0, 0.42) + (10.0 + 1.5 * lobes) * bump(0.72, 0.26) + 3.0 * fall)
+    0.001 * (13.0 * bump(0.0, 0.36) + (14.0 + 2.5 * lobes) * bump(0.70, 0.24) + 4.0 * fall)
 }
 
 /// How many vertices ring `k` has.

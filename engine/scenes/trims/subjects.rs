@@ -42,33 +42,28 @@ fn bore(name: &str, ground: Arc<Ground>) -> Result<Scene, TrimSceneError> {
 }
 
 /// The hubcap: a contoured disc of 0.4 m with a middle bore, five bolt holes and five swept cut-outs,
-/// each with three rounded corners and a sharp one. All eleven curves are one trim.
+/// each with two rounded corners and a sharp one. All eleven curves are one trim.
 /// [Litke et al. 2001, Fig. 12 and 13]
 ///
 /// # Errors
 /// None, as long as the disc is what it should be.
 pub fn hubcap() -> Result<Scene, TrimSceneError> {
     let ground = contoured_disc()?;
-    let mut cuts = vec![hole(&ground, circle(DVec2::ZERO, 0.026)?)?];
+    let mut cuts = vec![hole(&ground, circle(DVec2::ZERO, 0.028)?)?];
     for k in 0..5 {
         let turn = 0.25 + 0.2 * f64::from(k);
-        cuts.push(hole(&ground, circle(0.057 * direction(turn + 0.1), 0.0085)?)?);
+        cuts.push(hole(&ground, circle(0.06 * direction(turn + 0.06), 0.0095)?)?);
         cuts.push(hole(&ground, cut_out(turn)?)?);
     }
     Ok(Scene { name: "hubcap".into(), ground, trims: vec![cuts] })
 }
 
-/// One of the swept cut-outs, about an angle in turns: narrow inside, wide outside, its trailing outer
-/// corner sharp.
+/// One of the swept cut-outs, about an angle in turns: a rounded triangle whose leading outer corner is
+/// sharp.
 fn cut_out(turn: f64) -> Result<Arc<dyn Curve>, TrimSceneError> {
     // Along the arc of radius 0.13, and the radius.
-    let plane = outline(&[
-        (at(-0.022, 0.092), 0.012),
-        (at(0.022, 0.092), 0.012),
-        (at(0.054, 0.168), 0.0),
-        (at(-0.054, 0.164), 0.030),
-    ])?;
-    Ok(Arc::new(Bent { plane, reference: 0.13, turn, twist: 0.55 }))
+    let plane = outline(&[(at(0.058, 0.168), 0.0), (at(-0.056, 0.160), 0.046), (at(0.0, 0.074), 0.046)])?;
+    Ok(Arc::new(Bent { plane, reference: 0.13, turn, twist: 0.45 }))
 }
 
 /// Walls between the bore and the rim of the disc that [`thin_wall`] is known by, in metres.
