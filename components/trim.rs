@@ -47,6 +47,31 @@ pub struct TrimCurve {
     pub heading: Heading,
 }
 
+/// What a stretch of a trimmed border runs along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum BorderLine {
+    /// A side of the source, by its index there.
+    Side(usize),
+    /// A cut, by its index among the cuts.
+    Cut(usize),
+}
+
+/// A corner of a trimmed border where one line ends on another: where two cuts cross, or a cut
+/// leaves the source across its border.
+///
+/// Of the two lines the older gives the point, to the bit: a side of the source is older than a cut,
+/// and a cut older than those after it. Everywhere else a border is its own line's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Junction {
+    /// The point, in model units.
+    pub point: DVec3,
+    /// The lines, the older first, each with its parameter there: of a curve the curve's own, of a
+    /// plain side the share of it, from its first vertex on.
+    pub ends: [(BorderLine, f64); 2],
+    /// How far apart the lines are there, in model units.
+    pub gap: f64,
+}
+
 /// How a trim is made: settings, each with a default.
 #[derive(Component, Clone, Debug, PartialEq)]
 pub struct TrimOptions {
@@ -163,6 +188,9 @@ impl TrimState {
     }
 }
 
+/// A directed curve as a trim reads it: the curve, the revision that it had, and its heading.
+pub type CutInput = (Arc<dyn Curve>, u64, Heading);
+
 /// All that a trim reads, as it was when it began.
 #[derive(Clone, Debug)]
 pub struct TrimInputs {
@@ -170,9 +198,8 @@ pub struct TrimInputs {
     pub source: Entity,
     /// The revision of its snapshot; `None` while it has none.
     pub revision: Option<u64>,
-    /// The curves: each with the revision that it had and its heading. `None` where the entity named
-    /// has no curve.
-    pub cuts: Vec<Option<(Arc<dyn Curve>, u64, Heading)>>,
+    /// The curves; `None` where the entity named has no curve.
+    pub cuts: Vec<Option<CutInput>>,
     /// How the trim is made.
     pub options: TrimOptions,
     /// The trim's tolerance, if it has one.
@@ -184,8 +211,7 @@ pub struct TrimInputs {
 impl PartialEq for TrimInputs {
     /// Curves are the same when they are one and the same object, of one revision.
     fn eq(&self, other: &Self) -> bool {
-        let same = |a: &Option<(Arc<dyn Curve>, u64, Heading)>, b: &Option<(Arc<dyn Curve>, u64, Heading)>| match (a, b)
-        {
+        let same = |a: &Option<CutInput>, b: &Option<CutInput>| match (a, b) {
             (Some(a), Some(b)) => Arc::ptr_eq(&a.0, &b.0) && (a.1, a.2) == (b.1, b.2),
             (None, None) => true,
             _ => false,

@@ -184,7 +184,6 @@ pub const STAGES: &[StageContract] = &[
             "TrimJob",
             "TrimOptions",
             "TrimWork",
-            "TrimmedTo",
         ],
         writes: &["SubdivisionDiagnostics"],
         inserts: &["AtLocate", "AtRemesh", "Ground", "LocateWork", "Stale", "TrimFailed", "TrimJob", "TrimWork"],

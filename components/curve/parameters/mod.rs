@@ -225,7 +225,7 @@ impl CurveParameters {
     fn place_on(&self, edge: u64, s: f64) -> Place {
         let (edge, count) = (self.wrapped(edge), self.edge_count(0) as usize);
         match self.extent {
-            _ if s < 1.0 => Place { edge, share: s.max(0.0) },
+            _ if s < 1.0 || s.is_nan() => Place { edge, share: s.clamp(0.0, 1.0) },
             Extent::Open if edge + 1 == count => Place { edge, share: 1.0 },
             _ => Place { edge: (edge + 1) % count, share: 0.0 },
         }

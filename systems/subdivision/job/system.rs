@@ -189,7 +189,7 @@ fn fail(mut job: EntityCommands, inputs: FitInputs, why: FitFault) {
 }
 
 /// Moves the marker of a job to `stage`.
-pub fn mark(job: &mut EntityCommands, stage: Stage) {
+pub(in crate::subdivision) fn mark(job: &mut EntityCommands, stage: Stage) {
     job.try_remove::<(AtCorrespond, AtModify, AtRefine)>();
     match stage {
         Stage::Correspond => job.try_insert(AtCorrespond),
@@ -199,7 +199,11 @@ pub fn mark(job: &mut EntityCommands, stage: Stage) {
 }
 
 /// Despawns the details that belong to `jobs`.
-pub fn discard(commands: &mut Commands, jobs: &EntityHashSet, details: impl Iterator<Item = (Entity, Entity)>) {
+pub(in crate::subdivision) fn discard(
+    commands: &mut Commands,
+    jobs: &EntityHashSet,
+    details: impl Iterator<Item = (Entity, Entity)>,
+) {
     if jobs.is_empty() {
         return;
     }
@@ -209,7 +213,8 @@ pub fn discard(commands: &mut Commands, jobs: &EntityHashSet, details: impl Iter
 }
 
 /// A detail coefficient.
-pub type Coefficient = (Entity, &'static mut Detail, &'static DetailLevel, &'static Address, &'static mut DetailOf);
+pub(in crate::subdivision) type Coefficient =
+    (Entity, &'static mut Detail, &'static DetailLevel, &'static Address, &'static mut DetailOf);
 
 /// Writes the transitions of all jobs that took a step, and the results of those that are done.
 pub fn advance_fits(
@@ -262,7 +267,7 @@ fn report(work: &FitWork, outcome: Outcome, details: usize) -> FitReport {
 
 /// Makes what `work` has found the details of `surface`, which may be the job itself. Returns how
 /// many they are.
-pub fn deliver(
+pub(in crate::subdivision) fn deliver(
     commands: &mut Commands,
     details: &mut Query<Coefficient>,
     job: Entity,

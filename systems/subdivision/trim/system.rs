@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
+use bevy_ecs::system::SystemParam;
 use selvedge_components::budget::{Budget, Budgets};
 use selvedge_components::curve::SpaceCurve;
 use selvedge_components::error::{CurveFailed, FitFault, SurfaceFailed};
@@ -42,7 +43,15 @@ type Job = (
     Has<Cancelled>,
 );
 type Surface = (Option<&'static Snapshot>, Option<&'static SurfaceFailed>, Option<&'static Ground>);
-type SpaceCurves<'w, 's> = Query<'w, 's, (&'static SpaceCurve, Option<&'static CurveFailed>)>;
+
+/// What trims read besides themselves.
+#[derive(SystemParam)]
+pub struct Reads<'w, 's> {
+    surfaces: Query<'w, 's, Surface, With<Cage>>,
+    curves: Query<'w, 's, (&'static SpaceCurve, Option<&'static CurveFailed>)>,
+    details: Query<'w, 's, (Entity, &'static DetailOf)>,
+    budgets: Option<Res<'w, Budgets>>,
+}
 
 /// What the engine adds to the first of some trims from remeshing on.
 type WorkTraces = (TrimWork, Solved, FitJob, FitWork, AtRemesh, AtAudit, AtCorrespond, AtModify, AtRefine);
@@ -52,86 +61,121 @@ type Traces = (TrimJob, LocateWork, AtLocate, TrimFailed, WorkTraces);
 /// The trims of each source in the pass before, in their order.
 pub type Known = EntityHashMap<Vec<Entity>>;
 
+impl core::fmt::Debug for Reads<'_, '_> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("Reads")
+    }
+}
+
 /// Begins trims, begins again those whose inputs have changed, takes back what was cancelled, and
 /// sends those that are located on their way, together where they touch.
 pub fn admit_trims(
     mut commands: Commands,
     trims: Query<Job>,
-    surfaces: Query<Surface, With<Cage>>,
-    curves: SpaceCurves,
-    details: Query<(Entity, &DetailOf)>,
-    budgets: Option<Res<Budgets>>,
+    reads: Reads,
     mut known: Local<Known>,
     diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
 ) {
     let mut run = Counters::start();
-    let budgets = budgets.map_or_else(Budgets::default, |b| *b);
-    let mut found: Vec<_> = trims.iter().collect();
-    found.sort_unstable_by_key(|trim| (trim.1, trim.0));
-    let mut of_source: EntityHashMap<Vec<<Job as QueryData>::Item<'_, '_>>> = EntityHashMap::default();
     let mut freed = EntityHashSet::default();
-    for trim in found {
-        let cancelled = trim.9;
-        if cancelled {
-            if trim.5.is_some() {
-                freed.insert(trim.0);
-                commands.entity(trim.0).try_remove::<Traces>();
-                run.counted.written += 1;
-            }
-        } else {
-            of_source.entry(trim.2.source).or_default().push(trim);
-        }
-    }
+    let sources = by_source(&mut commands, &trims, &mut freed);
     // Trims that are gone leave details behind.
     freed.extend(known.values().flatten().filter(|&&trim| !trims.contains(trim)));
-    for (source, _) in known.iter().filter(|(source, _)| !of_source.contains_key(*source)) {
+    let before = core::mem::take(&mut *known);
+    for source in before.keys().filter(|&&source| sources.iter().all(|(other, _)| *other != source)) {
         commands.entity(*source).queue_silenced(drop_result);
     }
-    let before = core::mem::take(&mut *known);
-    let mut sources: Vec<_> = of_source.into_iter().collect();
-    sources.sort_unstable_by_key(|(source, _)| *source);
-    let mut grounds = Vec::new();
+    let mut starts = Vec::new();
     for (source, trims) in &sources {
-        let surface = surfaces.get(*source).ok();
-        let candidates: Vec<_> = trims.iter().map(|trim| candidate(trim, surface.as_ref(), &curves, budgets)).collect();
         known.insert(*source, trims.iter().map(|trim| trim.0).collect());
         run.counted.items += trims.len() as u64;
-        let changed = anything_changed(&candidates, before.get(source).map_or(&[], Vec::as_slice));
-        let gathered = match surface {
-            Some((None, None, _)) => Source::Ungathered,
-            _ => Source::Known,
-        };
-        let verdicts: Vec<_> = candidates.iter().map(|c| verdict(c, gathered, changed)).collect();
-        let mut settled = true;
-        for (candidate, verdict) in candidates.into_iter().zip(&verdicts) {
-            run.counted.skipped += u64::from(*verdict == Verdict::Keep);
-            run.counted.written += u64::from(*verdict != Verdict::Keep);
-            match verdict {
-                Verdict::Keep => {
-                    settled &= candidate.job.is_none_or(|job| job.state != TrimState::Running(TrimStage::Locate));
-                }
-                Verdict::Wait => settled = false,
-                Verdict::Locate => {
-                    settled = false;
-                    freed.insert(candidate.trim);
-                    grounds.push((*source, candidate.trim, candidate.now));
-                }
-                Verdict::Refuse => {
-                    freed.insert(candidate.trim);
-                    let why = candidate.refusal.unwrap_or(TrimFault::NoSource { source_entity: *source });
-                    fail(&mut commands, candidate.trim, candidate.now, why);
-                }
-            }
-        }
-        if settled {
-            begin_groups(&mut commands, trims, &mut freed, &mut run.counted);
+        let before = before.get(source).map_or(&[][..], Vec::as_slice);
+        let admitted = admit_source(&mut commands, (*source, trims), before, &reads, &mut run.counted);
+        freed.extend(admitted.refused.iter().chain(admitted.starts.iter().map(|(trim, _)| trim)));
+        starts.extend(admitted.starts.into_iter().map(|(trim, inputs)| (*source, trim, inputs)));
+        if admitted.settled {
+            freed.extend(begin_groups(&mut commands, trims, &mut run.counted));
         }
     }
-    begin_locating(&mut commands, grounds, &surfaces);
-    discard(&mut commands, &freed, details.iter().map(|(detail, of)| (detail, of.0)));
+    begin_locating(&mut commands, starts, &reads.surfaces);
+    discard(&mut commands, &freed, reads.details.iter().map(|(detail, of)| (detail, of.0)));
     if let Some(mut diagnostics) = diagnostics {
         diagnostics.admit += run.finish();
     }
+}
+
+/// The trims of each source that are to be made, in their order; those that are cancelled are taken
+/// back, and are `freed`.
+fn by_source<'w, 's>(
+    commands: &mut Commands,
+    trims: &'w Query<Job>,
+    freed: &mut EntityHashSet,
+) -> Vec<(Entity, Vec<<Job as QueryData>::Item<'w, 's>>)>
+where
+    'w: 's,
+{
+    let mut found: Vec<_> = trims.iter().collect();
+    found.sort_unstable_by_key(|trim| (trim.2.source, trim.1, trim.0));
+    let mut sources: Vec<(Entity, Vec<_>)> = Vec::new();
+    for trim in found {
+        let (entity, job, cancelled) = (trim.0, trim.5, trim.9);
+        match sources.last_mut() {
+            _ if cancelled => {
+                if job.is_some() {
+                    freed.insert(entity);
+                    commands.entity(entity).try_remove::<Traces>();
+                }
+            }
+            Some((source, of_source)) if *source == trim.2.source => of_source.push(trim),
+            _ => sources.push((trim.2.source, vec![trim])),
+        }
+    }
+    sources
+}
+
+/// What has come of the trims of one source.
+struct Admitted {
+    /// Those whose curves are to be located, and what they read.
+    starts: Vec<(Entity, TrimInputs)>,
+    refused: Vec<Entity>,
+    /// Is every one that can be made located?
+    settled: bool,
+}
+
+fn admit_source(
+    commands: &mut Commands,
+    (source, trims): (Entity, &[<Job as QueryData>::Item<'_, '_>]),
+    before: &[Entity],
+    reads: &Reads,
+    counted: &mut Counters,
+) -> Admitted {
+    let surface = reads.surfaces.get(source).ok();
+    let candidates: Vec<_> = trims.iter().map(|trim| candidate(trim, surface.as_ref(), reads)).collect();
+    let changed = anything_changed(&candidates, before);
+    let gathered = if matches!(surface, Some((None, None, _))) { Source::Ungathered } else { Source::Known };
+    let mut admitted = Admitted { starts: Vec::new(), refused: Vec::new(), settled: true };
+    for candidate in candidates {
+        let verdict = verdict(&candidate, gathered, changed);
+        counted.skipped += u64::from(verdict == Verdict::Keep);
+        counted.written += u64::from(!matches!(verdict, Verdict::Keep | Verdict::Wait));
+        match verdict {
+            Verdict::Keep => {
+                let locating = |job: &TrimJob| job.state == TrimState::Running(TrimStage::Locate);
+                admitted.settled &= !candidate.job.is_some_and(locating);
+            }
+            Verdict::Wait => admitted.settled = false,
+            Verdict::Locate => {
+                admitted.settled = false;
+                admitted.starts.push((candidate.trim, candidate.now));
+            }
+            Verdict::Refuse => {
+                admitted.refused.push(candidate.trim);
+                let why = candidate.refusal.unwrap_or(TrimFault::NoSource { source_entity: source });
+                fail(commands, candidate.trim, candidate.now, why);
+            }
+        }
+    }
+    admitted
 }
 
 /// What is left of a source that has no trims any more is the source.
@@ -146,13 +190,13 @@ fn drop_result(mut source: EntityWorldMut) {
 fn candidate<'w>(
     trim: &<Job as QueryData>::Item<'w, '_>,
     surface: Option<&<Surface as QueryData>::Item<'_, '_>>,
-    curves: &SpaceCurves,
-    budgets: Budgets,
+    reads: &Reads,
 ) -> Candidate<'w> {
+    let budgets = reads.budgets.as_deref().map_or_else(Budgets::default, |b| *b);
     let &(entity, _, asked, options, tolerance, job, locating, has_work, solved, _) = trim;
     let mut refusal = None;
     let cuts = asked.cuts.iter().map(|cut| {
-        let Ok((space, failed)) = curves.get(cut.curve) else {
+        let Ok((space, failed)) = reads.curves.get(cut.curve) else {
             refusal = refusal.take().or(Some(TrimFault::NoCurve { curve: cut.curve }));
             return None;
         };
@@ -193,12 +237,13 @@ fn candidate<'w>(
 }
 
 /// Sends located trims on their way, in groups; those whose group is what it was go on as they are.
+/// Returns those that have begun.
 fn begin_groups(
     commands: &mut Commands,
     trims: &[<Job as QueryData>::Item<'_, '_>],
-    freed: &mut EntityHashSet,
     counted: &mut Counters,
-) {
+) -> Vec<Entity> {
+    let mut begun = Vec::new();
     let standing: Vec<_> = trims
         .iter()
         .filter_map(|trim| Some((trim.0, trim.5?, trim.6?)).filter(|t| t.1.state != TrimState::Failed))
@@ -211,7 +256,7 @@ fn begin_groups(
             continue;
         }
         counted.written += 1;
-        freed.extend(group.iter().copied());
+        begun.extend(group.iter().copied());
         commands.entity(trims[0].2.source).queue_silenced(mark_stale);
         let (lead, _, first) = members[0];
         let located = members.iter().map(|(.., located)| Arc::clone(located.found())).collect();
@@ -224,6 +269,7 @@ fn begin_groups(
         }
         commands.entity(*lead).try_insert((work, AtRemesh));
     }
+    begun
 }
 
 /// Puts trims on their way, on what their sources are now.

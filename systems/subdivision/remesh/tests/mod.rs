@@ -5,6 +5,7 @@
 mod borders;
 mod bores;
 mod closed;
+mod crossings;
 mod draw;
 mod judge;
 mod refusals;
