@@ -60,9 +60,9 @@ fn towards((corner, length): (DVec2, f64), other: DVec2) -> DVec2 {
 /// The quintic from `a` to `b` along the sides of the corner `c`: three points on each side in equal
 /// steps have no curvature at the ends.
 fn rounding(a: DVec2, c: DVec2, b: DVec2) -> Result<Bezier, ShapeError> {
-    /// The third point's share of the way to the corner: the fullest that keeps the curvature with one
-    /// peak.
-    const FULL: f64 = 0.75;
+    /// The third point's share of the way to the corner: about here the greatest curvature is least for
+    /// the corners of a triangle, half of what it is at three quarters.
+    const FULL: f64 = 0.54;
     let points = [a, a.lerp(c, 0.5 * FULL), a.lerp(c, FULL), b.lerp(c, FULL), b.lerp(c, 0.5 * FULL), b];
     Bezier::new(points.map(flat).to_vec())
 }

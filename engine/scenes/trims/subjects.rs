@@ -62,7 +62,7 @@ pub fn hubcap() -> Result<Scene, TrimSceneError> {
 /// sharp.
 fn cut_out(turn: f64) -> Result<Arc<dyn Curve>, TrimSceneError> {
     // Along the arc of radius 0.13, and the radius.
-    let plane = outline(&[(at(0.058, 0.168), 0.0), (at(-0.056, 0.160), 0.046), (at(0.0, 0.074), 0.046)])?;
+    let plane = outline(&[(at(0.058, 0.168), 0.0), (at(-0.058, 0.162), 0.052), (at(0.0, 0.074), 0.052)])?;
     Ok(Arc::new(Bent { plane, reference: 0.13, turn, twist: 0.45 }))
 }
 
