@@ -1,41 +1,87 @@
-//! You will see a round bore cut into a contoured plate.
+//! You will see a round bore cut into a contoured plate: its error ladder on four levels, then down to
+//! 13 um, 1 um and 10 nm; the same in a plate sixteen times as large, also with a bound on how far
+//! anything may change; in `out/` the stages of remeshing, the points that correspond anew, where each
+//! level works, and error maps. `--json` prints the figures; `--levels`, `--eps`, `--reach` ask otherwise.
 #![expect(clippy::print_stdout, reason = "an example talks to its user")]
 
 use std::error::Error;
 
+use clap::Parser;
+use selvedge::scenes::trim_pictures::{errors, regions, stages};
 use selvedge::scenes::trims::row::TrimRow;
-use selvedge::scenes::trims::{Settings, run, subjects};
+use selvedge::scenes::trims::{Scene, Settings, run, subjects};
+
+/// Edge of both plates' squares, in metres.
+const H: f64 = 0.05;
+
+#[derive(Parser)]
+struct Arguments {
+    /// Print the figures as JSON, and draw nothing.
+    #[arg(long)]
+    json: bool,
+    /// Only the plate of 0.4 m, down to this level.
+    #[arg(long)]
+    levels: Option<u32>,
+    /// Only the plate of 0.4 m, within this distance in metres.
+    #[arg(long, conflicts_with = "levels")]
+    eps: Option<f64>,
+    /// Only the plate of 1.6 m, changed no farther than each of these from the curve: in metres, or in
+    /// edges of its squares as in `2h,h,h/2`.
+    #[arg(long, value_delimiter = ',', value_parser = length, conflicts_with_all = ["levels", "eps"])]
+    reach: Vec<f64>,
+}
+
+/// `0.1`, `2h`, `h`, `h/4`.
+fn length(text: &str) -> Result<f64, String> {
+    let number = |text: &str| text.parse::<f64>().map_err(|why| format!("{text}: {why}"));
+    match text.split_once('h') {
+        None => number(text),
+        Some(("", "")) => Ok(H),
+        Some((factor, "")) => Ok(H * number(factor)?),
+        Some(("", part)) => Ok(H / number(part.trim_start_matches('/'))?),
+        Some(_) => Err(format!("{text} is not a length")),
+    }
+}
+
+fn jobs(asked: &Arguments) -> Result<Vec<(Scene, Settings)>, Box<dyn Error>> {
+    const EPS: f64 = 13e-6;
+    let (small, large) = (subjects::bore8()?, subjects::bore32()?);
+    let reach = |scene: &Scene, reach: f64| {
+        let name = format!("{}, reach {:.1} mm", scene.name, 1e3 * reach);
+        (Scene { name, ..scene.clone() }, Settings::within(EPS).reaching(reach))
+    };
+    if let Some(levels) = asked.levels {
+        return Ok(vec![(small, Settings::levels(levels))]);
+    }
+    if let Some(eps) = asked.eps {
+        return Ok(vec![(small, Settings::within(eps))]);
+    }
+    if !asked.reach.is_empty() {
+        return Ok(asked.reach.iter().map(|&r| reach(&large, r)).collect());
+    }
+    let mut jobs = vec![(small.clone(), Settings::levels(3))];
+    jobs.extend([EPS, 1e-6, 1e-8].map(|eps| (small.clone(), Settings::within(eps))));
+    jobs.push((large.clone(), Settings::within(EPS)));
+    jobs.extend([2.0, 1.0, 0.5, 0.25].map(|part| reach(&large, part * H)));
+    Ok(jobs)
+}
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let which = std::env::args().nth(1).unwrap_or_default();
-    let eps: f64 = std::env::args().nth(2).unwrap_or("3".into()).parse()?;
-    let scenes = match which.as_str() {
-        "bore8" => vec![subjects::bore8()?], "bore32" => vec![subjects::bore32()?], "hub" => vec![subjects::hubcap()?],
-        "stars" => subjects::stars()?, "succ" => vec![subjects::successive()?],
-        _ => { let mut v = vec![]; for w in subjects::WALLS.into_iter().chain([-0.01,-0.03]) { v.push(subjects::thin_wall(w)?); } v }
-    };
-    let settings = if eps >= 1.0 || eps == 0.0 { Settings::levels(eps as u32) } else { Settings::within(eps) };
-    for scene in scenes {
-    let trimmed = match run(&scene, &settings) { Ok(t) => t, Err(w) => { println!("{}: {w}", scene.name); continue } };
-    let t = std::time::Instant::now();
-    if std::env::var("PIC").is_err() { for line in TrimRow::of(&trimmed, &settings)?.lines() { println!("{line}"); } }
-    if std::env::var("PIC").is_ok() {
-        use selvedge::scenes::trim_pictures::*;
-        use selvedge::diagram::camera::*;
-        std::fs::create_dir_all("out")?;
-        let t = std::time::Instant::now();
-        stages::figure(&trimmed)?.save("out/p_stages.png")?; println!("{:?}", t.elapsed());
-        stages::resampled(&trimmed)?.save("out/p_resampled.png")?;println!("{:?}", t.elapsed());
-        regions::figure(&trimmed)?.save("out/p_regions.png")?;println!("{:?}", t.elapsed());
-        let view = View::from_angles(-70.0, 38.0);
-        let style = errors::MapStyle { view: View::from_angles(-90.0, 89.9).orthographic(), frame: Frame::new(520,520), level: std::env::var("PIC")?.parse()?, columns: 3 };
-        errors::maps(&trimmed, &style)?.save("out/p_errors.png")?;println!("{:?}", t.elapsed());
-        views::figure(&trimmed, &view, Frame::new(900,640))?.save("out/p_views.png")?;println!("{:?}", t.elapsed());
-        views::portrait(&trimmed, &view, Frame::new(1400,1000))?.save("out/p_portrait.png")?;println!("{:?}", t.elapsed());
-        errors::ladder("ladder", &[("bore", &trimmed)])?.save("out/p_ladder.png")?;println!("{:?}", t.elapsed());
+    let asked = Arguments::parse();
+    let mut rows = Vec::new();
+    for (scene, settings) in jobs(&asked)? {
+        rows.push(TrimRow::of(&run(&scene, &settings)?, &settings)?);
+    }
+    if asked.json {
+        println!("{}", TrimRow::json(&rows)?);
         return Ok(());
     }
-    println!("measured in {:?}", t.elapsed());
-    }
+    rows.iter().flat_map(TrimRow::lines).for_each(|line| println!("{line}"));
+    std::fs::create_dir_all("out")?;
+    let small = run(&subjects::bore8()?, &Settings::within(1e-6))?;
+    stages::figure(&small)?.save("out/bore_stages.png")?;
+    stages::resampled(&small)?.save("out/bore_resampled.png")?;
+    errors::maps(&small, &errors::MapStyle::above(4))?.save("out/bore_errors.png")?;
+    regions::figure(&run(&subjects::bore32()?, &Settings::within(1e-6))?)?.save("out/bore_regions.png")?;
     Ok(())
 }

@@ -36,6 +36,14 @@ pub struct MapStyle {
     pub columns: usize,
 }
 
+impl MapStyle {
+    /// From above, pictures of 520 pixels, three in a row.
+    pub fn above(level: u32) -> Self {
+        let view = View { from: DVec3::Z, up: DVec3::Y, ..View::from_angles(0.0, 90.0) }.orthographic();
+        Self { view, frame: Frame::new(520, 520), level, columns: 3 }
+    }
+}
+
 /// A triangulated limit surface with its distances to the given one.
 struct Map {
     mesh: Triangles,
@@ -59,7 +67,7 @@ fn cell(trimmed: &Trimmed, level: Option<u32>, style: &MapStyle) -> Result<Cell,
     let most = map.errors.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let scale = ColourScale::new(DECADES * most, most)?.logarithmic()?.titled("distance");
     let surface = Surface::new(&map.mesh).painted(Paint::Values(&map.errors, &scale));
-    let rim = Overlay::lines(region_border(trimmed, &map.mesh, style.level), Stroke::new(palette::PAPER, 1.6));
+    let rim = Overlay::lines(region_border(trimmed, &map.mesh), Stroke::new(palette::PAPER, 1.6));
     let border = Overlay::border(&map.mesh, Stroke::new(palette::INK, 1.2))?;
     let picture = Scene::of(surface).with([rim, border]).picture(&style.view, style.frame)?;
     let reported = match level {
@@ -82,19 +90,27 @@ fn measure(trimmed: &Trimmed, surface: &LoopSurface, level: u32) -> Result<Map, 
             corners.iter().for_each(|&v| inside[v as usize] = true);
         }
     }
-    let errors = map_in_order(mesh.positions.len(), |v| {
-        let x = mesh.positions[v];
-        if !inside[v] {
-            return 0.0;
-        }
-        target.closest(x, None).map_or(f64::NAN, |foot| foot.position.distance(x))
+    // Neighbours in number are mostly neighbours in space, so one's foot is a hint for the next.
+    const RUN: usize = 32;
+    let runs: Vec<usize> = (0..mesh.positions.len()).step_by(RUN).collect();
+    let errors = map_in_order(runs.len(), |run| {
+        let end = mesh.positions.len().min(runs[run] + RUN);
+        let mut hint = None;
+        let distance = |v: usize| {
+            if !inside[v] {
+                return 0.0;
+            }
+            let Ok(foot) = target.closest(mesh.positions[v], hint) else { return f64::NAN };
+            hint = foot.at;
+            foot.position.distance(mesh.positions[v])
+        };
+        (runs[run]..end).map(distance).collect::<Vec<f64>>()
     });
-    Ok(Map { mesh, errors })
+    Ok(Map { errors: errors.into_iter().flatten().collect(), mesh })
 }
 
 /// The edges between the region of influence and what is beyond.
-fn region_border(trimmed: &Trimmed, mesh: &Triangles, level: u32) -> Vec<Vec<DVec3>> {
-    let _ = level;
+fn region_border(trimmed: &Trimmed, mesh: &Triangles) -> Vec<Vec<DVec3>> {
     let mut edges: Vec<([u32; 2], bool)> = Vec::new();
     for (corners, &face) in mesh.triangles.iter().zip(&mesh.faces) {
         let inside = trimmed.omega.binary_search(&FaceCode::root(face)).is_ok();

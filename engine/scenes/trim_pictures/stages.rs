@@ -73,6 +73,28 @@ fn remesh_without_relaxation(trimmed: &Trimmed) -> Result<Remeshed, TrimPictureE
     Ok(remesh(&trimmed.ground.surface, &trimmed.cuts, &trimmed.images, &options).map_err(|why| TrimSceneError::from(TrimFault::Remesh(why)))?)
 }
 
+/// The new cages of several trims, each as far as it lies within `around` metres of its first curve's box;
+/// what the curves join is coloured. [Fig. 16]
+///
+/// # Errors
+/// As the drawing.
+pub fn cages(trims: &[&Trimmed], around: f64) -> Result<Canvas, TrimPictureError> {
+    let cell = |trimmed: &&Trimmed| -> Result<Cell, TrimPictureError> {
+        let all = faces(&trimmed.remeshed);
+        let curve: Vec<DVec3> = trimmed.images.first().into_iter().flat_map(|i| &i.points).map(|p| p.position).collect();
+        let low = curve.iter().fold(DVec3::INFINITY, |l, &p| l.min(p)) - DVec3::splat(around);
+        let high = curve.iter().fold(DVec3::NEG_INFINITY, |h, &p| h.max(p)) + DVec3::splat(around);
+        let inside = |face: &&Face| face.iter().all(|p| p.cmpge(low).all() && p.cmple(high).all());
+        let shown: Vec<Face> = all.iter().filter(inside).copied().collect();
+        let shown = if shown.is_empty() { all.clone() } else { shown };
+        let mut page = Domain::about(&all, &shown, if trims.len() == 1 { 2 * SIZE } else { SIZE })?;
+        draw_cage(&mut page, &trimmed.remeshed, |_| true);
+        Ok(Cell::new(page.into_canvas(), format!("{}: {} faces", trimmed.name, all.len())))
+    };
+    let cells = trims.iter().map(cell).collect::<Result<Vec<_>, _>>()?;
+    Ok(Grid::new(trims.len().min(5), 20.0).compose(&cells)?)
+}
+
 /// Draws the leaves whose fate is wanted; returns their finest level.
 fn draw_leaves(page: &mut Domain, limit: &LimitSurface, remeshed: &Remeshed, wanted: impl Fn(Fate) -> bool) -> u32 {
     let finest = remeshed.fates.iter().map(|f| f.0).max().unwrap_or(0);

@@ -7,6 +7,7 @@
 //! | [`shapes`] | curves in the plane: holes, slots, stars, rounded outlines |
 //! | [`subjects`] | the scenes: what is cut from what |
 //! | [`run()`] | does the trims of a scene, one after the other, and measures what comes out |
+//! | [`shared`] | the wall of a bore, along the same curve |
 //! | [`row`] | the figures that the examples print |
 //!
 //! Every curve on a surface is a plane one carried there, a black box to the engine; none is known to
@@ -18,6 +19,7 @@ pub mod measure;
 pub mod row;
 mod run;
 pub mod shapes;
+pub mod shared;
 pub mod subjects;
 
 use std::sync::Arc;
@@ -70,6 +72,9 @@ pub enum TrimSceneError {
     /// The projection of a curve.
     #[error(transparent)]
     Project(#[from] ProjectError),
+    /// No side of what is left runs round.
+    #[error("the trim has left no border that runs round")]
+    NoRim,
     /// The limit surface of what is left.
     #[error(transparent)]
     Limit(#[from] LimitError),

@@ -4,8 +4,7 @@ use selvedge_components::subdivision::fit::Rung;
 use selvedge_systems::triangulate::{Density, TriangulateOptions, triangulate};
 use serde::Serialize;
 
-use super::run::{Settings, Trimmed};
-use super::{TrimSceneError, measure};
+use super::{Scene, Settings, TrimSceneError, Trimmed, measure, run};
 
 /// The figures of one scene. Every one is measured on what came out.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -83,6 +82,22 @@ impl TrimRow {
             longest_step_ms: 1e3 * trimmed.longest_step.as_secs_f64(),
             seconds: trimmed.time.as_secs_f64(),
         })
+    }
+
+    /// The figures of several scenes, one after the other: each trimmed and measured.
+    ///
+    /// # Errors
+    /// The first failure.
+    pub fn of_all(scenes: &[Scene], settings: &Settings) -> Result<Vec<Self>, TrimSceneError> {
+        scenes.iter().map(|scene| Self::of(&run(scene, settings)?, settings)).collect()
+    }
+
+    /// Rows as one JSON array.
+    ///
+    /// # Errors
+    /// None: every field can be written.
+    pub fn json(rows: &[Self]) -> Result<String, serde_json::Error> {
+        serde_json::to_string(rows)
     }
 
     /// The row as lines for people.

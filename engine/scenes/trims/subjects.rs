@@ -139,5 +139,5 @@ pub fn successive() -> Result<Scene, TrimSceneError> {
         let middle = at(0.02, -0.01) + 0.42 * direction(turn) + (0.055 + 0.004 * f64::from(k)) * direction(turn + 0.5);
         cut(circle(middle, 0.035)?)?;
     }
-    Ok(Scene { name: "20 trims in a row".into(), ground, trims })
+    Ok(Scene { name: "trims in a row".into(), ground, trims })
 }
