@@ -96,16 +96,20 @@ pub fn curve_samples_exact(surface: &LoopSurface, triangles: &Triangles, level: 
 /// If one of them cannot be triangulated.
 pub fn outside_is_identical(trimmed: &Trimmed) -> Result<bool, TrimSceneError> {
     const LEVEL: u32 = 2;
-    let options = TriangulateOptions { density: Density::Level(LEVEL), ..TriangulateOptions::default() };
-    let now = triangulate(&trimmed.surface, &options)?.triangles;
-    let then = triangulate(&trimmed.ground.surface, &options)?.triangles;
-    // Triangles stand by root face, then along the path of quarters.
+    // Where the whole cage was refined first, all leaves beyond are of that level.
+    let base = trimmed.untouched().next().map_or(0, |f| f.1);
+    let at = |level| TriangulateOptions { density: Density::Level(level), ..TriangulateOptions::default() };
+    let now = triangulate(&trimmed.surface, &at(LEVEL))?.triangles;
+    let then = triangulate(&trimmed.ground.surface, &at(LEVEL + base))?.triangles;
+    // Triangles stand by root face, then along the path of quarters, as codes do.
     let count = 1_usize << (2 * LEVEL);
-    let of = |made: &Triangles, face: FaceId, k: usize| {
-        made.triangles[count * face.index() + k].map(|v| made.positions[v as usize].to_array().map(f64::to_bits))
+    let bits = |made: &Triangles, triangle: usize| {
+        made.triangles[triangle].map(|v| made.positions[v as usize].to_array().map(f64::to_bits))
     };
-    let same = |face, old| (0..count).all(|k| of(&now, face, k) == of(&then, old, k));
-    Ok(trimmed.untouched().all(|(face, old)| same(face, old)))
+    let same = |face: FaceId, code: FaceCode| {
+        (0..count).all(|k| bits(&now, count * face.index() + k) == bits(&then, count * code.0 as usize + k))
+    };
+    Ok(trimmed.untouched().all(|(face, level, code)| level == base && same(face, code)))
 }
 
 /// The greatest distance from the trimmed limit surface to the given one: 45 random places of every

@@ -25,7 +25,8 @@ pub struct TrimRow {
     pub curve_samples_exact: bool,
     /// Faces beyond the region that the trims may have changed.
     pub outside_faces: usize,
-    /// Have these the same limit points as before, bit for bit?
+    /// Have these the same limit points as before, bit for bit? Where the whole cage was refined first,
+    /// for a small reach, they are the same up to rounding only.
     pub outside_bit_identical: bool,
     /// How far from the curves the farthest corner of a face lies that may have changed.
     pub changed_radius_m: f64,

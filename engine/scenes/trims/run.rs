@@ -86,12 +86,12 @@ impl Trimmed {
         LoopSurface { details: Details { levels }, ..given.clone() }
     }
 
-    /// By face of what is left: the face of the given surface that it still is, to the bit. None
-    /// where the whole cage was refined first: it is the same up to rounding then.
-    pub fn untouched(&self) -> impl Iterator<Item = (FaceId, FaceId)> + '_ {
+    /// The faces of what is left beyond the region of influence, each with the face of the given surface,
+    /// or of a level of it where the whole cage was refined first, that it still is.
+    pub fn untouched(&self) -> impl Iterator<Item = (FaceId, u32, FaceCode)> + '_ {
         let outside = |f: FaceId| self.omega.binary_search(&FaceCode::root(f)).is_err();
         self.remeshed.face_origin.iter().enumerate().filter_map(move |(f, origin)| match *origin {
-            FaceOrigin::Leaf { level: 0, code } if outside(FaceId::new(f)) => Some((FaceId::new(f), code.root_face(0))),
+            FaceOrigin::Leaf { level, code } if outside(FaceId::new(f)) => Some((FaceId::new(f), level, code)),
             _ => None,
         })
     }
