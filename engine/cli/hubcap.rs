@@ -79,7 +79,11 @@ fn lines(scene: &Scene, report: &TrimReport) -> Vec<String> {
     let (audit, cage) = (&report.audit, &report.cage);
     lines.push(format!(
         "  audit: {:.3e} m at {} other places, {} border points the curves' own bits, {} loops, Euler number {}",
-        audit.greatest().0, audit.samples, audit.border_samples, audit.loops, audit.euler
+        audit.greatest().0,
+        audit.samples,
+        audit.border_samples,
+        audit.loops,
+        audit.euler
     ));
     lines.push(format!(
         "  cage: {} faces, {} of them beyond reach, valence up to {}, worst shape {:.3}",

@@ -115,8 +115,9 @@ impl Domain {
         for way in [DVec2::ONE, DVec2::new(1.0, -1.0)] {
             self.canvas.line(at - way * (0.6 * size), at + way * (0.6 * size), &stroke);
         }
-        let ring: Vec<DVec2> =
-            (0..48).map(|k| at + 1.6 * size * DVec2::from_angle(f64::from(k) * core::f64::consts::TAU / 48.0)).collect();
+        let ring: Vec<DVec2> = (0..48)
+            .map(|k| at + 1.6 * size * DVec2::from_angle(f64::from(k) * core::f64::consts::TAU / 48.0))
+            .collect();
         self.canvas.polyline(&ring, Ends::Closed, &stroke);
         // Towards the middle of the page, where there is room.
         let left = at.x > 0.5 * f64::from(self.canvas.width());

@@ -80,7 +80,8 @@ fn cell(trimmed: &Trimmed, level: Option<u32>, style: &MapStyle) -> Result<Cell,
 }
 
 fn measure(trimmed: &Trimmed, surface: &LoopSurface, level: u32) -> Result<Map, TrimPictureError> {
-    let options = TriangulateOptions { density: Density::Level(level), normals: Normals::OfLimit, ..Default::default() };
+    let options =
+        TriangulateOptions { density: Density::Level(level), normals: Normals::OfLimit, ..Default::default() };
     let mesh = triangulate(surface, &options).map_err(TrimSceneError::from)?.triangles;
     let target = trimmed.ground.target(Search::Everywhere);
     // Beyond the region of influence the surface has its bits: it need not be measured.

@@ -9,7 +9,7 @@ use selvedge_components::trim::TrimFault;
 use selvedge_systems::closest::Search;
 use selvedge_systems::subdivision::limit::LimitSurface;
 use selvedge_systems::subdivision::relax::RelaxOptions;
-use selvedge_systems::subdivision::remesh::{Fate, FaceOrigin, RemeshOptions, Remeshed, VertexOrigin, remesh};
+use selvedge_systems::subdivision::remesh::{FaceOrigin, Fate, RemeshOptions, Remeshed, VertexOrigin, remesh};
 
 use super::{TrimPictureError, draw_images, limit_faces, root_faces};
 use crate::diagram::canvas::{Canvas, Stroke};
@@ -70,7 +70,8 @@ pub fn figure(trimmed: &Trimmed) -> Result<Canvas, TrimPictureError> {
 fn remesh_without_relaxation(trimmed: &Trimmed) -> Result<Remeshed, TrimPictureError> {
     let still = RelaxOptions { sweeps: 0, ..RelaxOptions::default() };
     let options = RemeshOptions { relax: still, ..RemeshOptions::default() };
-    Ok(remesh(&trimmed.ground.surface, &trimmed.cuts, &trimmed.images, &options).map_err(|why| TrimSceneError::from(TrimFault::Remesh(why)))?)
+    Ok(remesh(&trimmed.ground.surface, &trimmed.cuts, &trimmed.images, &options)
+        .map_err(|why| TrimSceneError::from(TrimFault::Remesh(why)))?)
 }
 
 /// The new cages of several trims, each as far as it lies within `around` metres of its first curve's box;
@@ -81,7 +82,8 @@ fn remesh_without_relaxation(trimmed: &Trimmed) -> Result<Remeshed, TrimPictureE
 pub fn cages(trims: &[&Trimmed], around: f64) -> Result<Canvas, TrimPictureError> {
     let cell = |trimmed: &&Trimmed| -> Result<Cell, TrimPictureError> {
         let all = faces(&trimmed.remeshed);
-        let curve: Vec<DVec3> = trimmed.images.first().into_iter().flat_map(|i| &i.points).map(|p| p.position).collect();
+        let curve: Vec<DVec3> =
+            trimmed.images.first().into_iter().flat_map(|i| &i.points).map(|p| p.position).collect();
         let low = curve.iter().fold(DVec3::INFINITY, |l, &p| l.min(p)) - DVec3::splat(around);
         let high = curve.iter().fold(DVec3::NEG_INFINITY, |h, &p| h.max(p)) + DVec3::splat(around);
         let inside = |face: &&Face| face.iter().all(|p| p.cmpge(low).all() && p.cmple(high).all());

@@ -75,7 +75,8 @@ pub fn curve_samples_exact(surface: &LoopSurface, triangles: &Triangles, level: 
             plain += steps as usize + 1;
             continue;
         };
-        let value = |step| side.curve_index(level, step).map(|i| bits(curve.curve().position(curve.parameter(level, i))));
+        let value =
+            |step| side.curve_index(level, step).map(|i| bits(curve.curve().position(curve.parameter(level, i))));
         // Where two sides meet, one of their curves gives the bits.
         let ends = if side.ends == Ends::Corners { [Some(0), Some(steps)] } else { [None, None] };
         let own = (0..=steps).filter(|&s| s < steps || ends[1].is_some());
@@ -142,17 +143,26 @@ pub fn achieved(trimmed: &Trimmed) -> Result<f64, TrimSceneError> {
 /// The faces that a trim may have changed, as the patches of the finest details on them.
 fn patches(trimmed: &Trimmed) -> Vec<(u32, FaceCode)> {
     let mesh = &trimmed.surface.mesh;
-    let finer: Vec<HashSet<FaceCode>> = trimmed.surface.details.levels.iter().enumerate().map(|(level, stored)| {
-        let level = level as u32;
-        let faces = stored.iter().filter_map(|&(address, _)| {
-            selvedge_systems::subdivision::region::corner_at(mesh, level, address)
-        });
-        faces.flat_map(|(face, corner)| {
-            let mut fan = vec![face];
-            selvedge_systems::subdivision::region::fan(mesh, level, face, corner, &mut fan);
-            fan
-        }).collect()
-    }).collect();
+    let finer: Vec<HashSet<FaceCode>> = trimmed
+        .surface
+        .details
+        .levels
+        .iter()
+        .enumerate()
+        .map(|(level, stored)| {
+            let level = level as u32;
+            let faces = stored
+                .iter()
+                .filter_map(|&(address, _)| selvedge_systems::subdivision::region::corner_at(mesh, level, address));
+            faces
+                .flat_map(|(face, corner)| {
+                    let mut fan = vec![face];
+                    selvedge_systems::subdivision::region::fan(mesh, level, face, corner, &mut fan);
+                    fan
+                })
+                .collect()
+        })
+        .collect();
     let mut open: Vec<(u32, FaceCode)> = trimmed.omega.iter().map(|&code| (0, code)).collect();
     let mut done = Vec::new();
     while let Some((level, code)) = open.pop() {

@@ -26,8 +26,8 @@ use std::sync::Arc;
 
 use selvedge_components::curve::{ParameterError, ShapeError};
 use selvedge_components::mesh::Fault;
-use selvedge_components::trim::TrimFault;
 use selvedge_components::triangulation::TriangulateError;
+use selvedge_components::trim::TrimFault;
 use selvedge_systems::projected_curve::ProjectError;
 use selvedge_systems::subdivision::limit::LimitError;
 use selvedge_systems::subdivision::remesh::Cut;

@@ -109,7 +109,11 @@ impl TrimRow {
         }));
         lines.push(format!(
             "  found afterwards {:.3e} m; {} open edges; samples exact: {}; {} faces outside, identical: {}",
-            self.achieved_max_m, self.open_edges, self.curve_samples_exact, self.outside_faces, self.outside_bit_identical
+            self.achieved_max_m,
+            self.open_edges,
+            self.curve_samples_exact,
+            self.outside_faces,
+            self.outside_bit_identical
         ));
         lines.push(format!(
             "  changed within {:.4} m; {} faces, valence up to {}; {:.3} s, longest step {:.1} ms",

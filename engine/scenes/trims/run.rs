@@ -113,8 +113,8 @@ pub fn run(scene: &Scene, settings: &Settings) -> Result<Trimmed, TrimFault> {
         while clock.time(|| work.advance())? == TrimQuantum::More {}
         located.push(Arc::clone(work.found()));
     }
-    let mut work = TrimWork::new(Arc::clone(&ground), located);
-    clock.time(|| work.remesh(&budgets)).map_err(|blamed| blamed.why)?;
+    let mut work = TrimWork::on_all(Arc::clone(&ground), located);
+    while clock.time(|| work.remesh(&budgets)).map_err(|blamed| blamed.why)? == TrimQuantum::More {}
     let mut fit = work.take_fit().expect("remeshing has just begun a fit");
     while clock.time(|| fit.advance())? != Quantum::Finished {}
     let remeshed = Arc::clone(work.remeshed().expect("a cage that is fitted"));

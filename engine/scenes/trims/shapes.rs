@@ -92,7 +92,8 @@ pub fn slot(line: &[DVec2], width: f64) -> Result<Arc<dyn Curve>, ShapeError> {
     let along = |k: usize| (line[(k + 1).min(last)] - line[k.saturating_sub(1)]).normalize_or_zero();
     let side = |k: usize, sign: f64| line[k] + sign * 0.5 * width * along(k).perp();
     // Beyond each end two points make it round.
-    let end = |k: usize, sign: f64, half: f64| line[k] + along(k) * sign * 0.42 * width + half * along(k).perp() * width;
+    let end =
+        |k: usize, sign: f64, half: f64| line[k] + along(k) * sign * 0.42 * width + half * along(k).perp() * width;
     let mut points: Vec<DVec2> = (0..=last).map(|k| side(k, -1.0)).collect();
     points.extend([end(last, 1.0, -0.28), end(last, 1.0, 0.28)]);
     points.extend((0..=last).rev().map(|k| side(k, 1.0)));

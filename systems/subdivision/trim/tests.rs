@@ -10,7 +10,6 @@ use selvedge_components::trim::TrimOptions;
 
 use super::{Ground, LocateWork, TrimWork};
 use crate::projected_curve::{Pick, ProjectedCurve};
-use crate::subdivision::region;
 use crate::subdivision::remesh::Cut;
 use crate::subdivision::remesh::tests::support::plate8;
 
@@ -29,8 +28,7 @@ fn the_error_asked_for_is_the_error_delivered() {
         let tolerance = Tolerance { fit: eps, chord: eps, curve: eps };
         let located = LocateWork::new(Arc::clone(&ground), vec![cut.clone()], TrimOptions::default(), Some(tolerance));
         let located = located.expect("a trim").run().expect("a curve");
-        let whole = region::whole(&ground.surface.mesh, 0);
-        let mut work = TrimWork::new(Arc::clone(&ground), vec![located], whole);
+        let mut work = TrimWork::on_all(Arc::clone(&ground), vec![located]);
         let fit = work.run(&Budgets::default()).expect("a bore");
         let report = work.report(&fit).expect("a report");
         assert!(report.ladder.len() <= levels, "{eps}: {} levels", report.ladder.len());

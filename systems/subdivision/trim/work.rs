@@ -21,6 +21,7 @@ use super::locate::Located;
 use super::zone::Zone;
 use crate::closest::Search;
 use crate::subdivision::fit::FitWork;
+use crate::subdivision::region;
 use crate::subdivision::relax::shape;
 use crate::subdivision::remesh::{self, Cut, FaceOrigin, PreImage, RemeshOptions, Remeshed};
 
@@ -57,6 +58,12 @@ impl TrimWork {
         let options = options.unwrap_or_default();
         let (zone, prepared, remeshed, fit, audit) = (None, false, None, None, None);
         Self { ground, members, options, tolerance, reserved, zone, prepared, remeshed, fit, audit }
+    }
+
+    /// As [`Self::new`], with all of the source to be changed.
+    pub fn on_all(ground: Arc<Ground>, members: Vec<Arc<Located>>) -> Self {
+        let all = region::whole(&ground.surface.mesh, 0);
+        Self::new(ground, members, all)
     }
 
     /// The part of the source that is worked on; `None` where that is all of it.
