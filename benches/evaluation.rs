@@ -20,7 +20,7 @@ fn evaluation(criterion: &mut Criterion) {
     ];
     for (name, cage) in cages {
         let mut group = criterion.benchmark_group(name);
-        group.sample_size(10).warm_up_time(Duration::from_secs(1)).measurement_time(Duration::from_secs(3));
+        group.sample_size(10).warm_up_time(Duration::from_secs(1)).measurement_time(Duration::from_secs(2));
         group.bench_function("preparation", |bench| bench.iter(|| cage.surface()));
         let (surface, mut places) = (cage.surface(), cage.places(PLACES));
         let mut out = vec![Jet::default(); PLACES];
