@@ -8,6 +8,7 @@
 //! | [`evaluate`] | what every surface can be asked |
 //! | [`identity`] | what orders entities when order shows |
 //! | [`job`], [`target`] | work that takes many passes, where it stands, and what a surface is fitted to |
+//! | [`trim`] | what is cut away, and what came of it |
 //! | [`tolerance`], [`budget`] | how exact, and at what cost |
 //! | [`error`], [`report`], [`triangles`] | what comes out |
 //! | [`triangulation`], [`audit`] | triangles asked for, and measured by someone else |
@@ -28,3 +29,4 @@ pub mod target;
 pub mod tolerance;
 pub mod triangles;
 pub mod triangulation;
+pub mod trim;

@@ -11,6 +11,7 @@ mod level;
 mod local;
 pub mod masks;
 pub mod plain;
+pub mod remesh;
 mod stencil;
 mod surface;
 

@@ -16,7 +16,7 @@ pub use selvedge_components::subdivision::fit::{
     FitError, FitOptions, Outcome, Quantum, Region, Rule, Rung, Stage, Storage,
 };
 use selvedge_components::subdivision::{
-    Address, CornerTable, Details, FaceCode, Kind, LevelMesh, LimitRows, LoopSurface, RingState, SideEnd, Step,
+    Address, CornerTable, Details, FaceCode, Kind, LevelMesh, LimitRows, LoopSurface, NONE, RingState, SideEnd, Step,
 };
 
 use super::chain::{self, Level};
@@ -43,6 +43,8 @@ pub struct FitWork {
     /// Greatest error among patches that are not worked on any more, and where.
     pub(super) settled: (f64, DVec3),
     pub(super) unreachable: (f64, DVec3),
+    /// By root vertex: the place of the target that stands for it.
+    pub(super) natural: Arc<[SurfacePoint]>,
 }
 
 /// The level in work.
@@ -105,7 +107,16 @@ impl FitWork {
             outcome: None,
             settled: (0.0, DVec3::ZERO),
             unreachable: (0.0, DVec3::ZERO),
+            natural: Arc::new([]),
         })
+    }
+
+    /// Takes `natural`, by root vertex a place of the target, as where to look first.
+    #[must_use]
+    pub fn with_natural(mut self, natural: Arc<[SurfacePoint]>) -> Self {
+        self.natural = natural;
+        self.open.look_first_at(&self.surface, &self.natural);
+        self
     }
 
     /// The stage that [`Self::advance`] would run next. A fit begins with [`Stage::Refine`], which
@@ -325,11 +336,38 @@ impl OpenLevel {
         self.list_active();
     }
 
+    /// Lets the search for each point begin at the place that stands for the nearest root vertex of
+    /// its face.
+    pub fn look_first_at(&mut self, surface: &LoopSurface, natural: &[SurfacePoint]) {
+        let Self { levels, fit_rows, hints, test_rows, test_hints, .. } = self;
+        let both = [(&levels[1].mesh, &*fit_rows, hints), (&levels[2].mesh, &*test_rows, test_hints)];
+        for (mesh, rows, hints) in both {
+            let nearest = nearest_roots(surface, mesh);
+            for (&v, hint) in rows.vertices.iter().zip(hints) {
+                *hint = natural.get(nearest[v as usize].index()).copied().or(*hint);
+            }
+        }
+    }
+
     fn list_active(&mut self) {
         self.moves = vec![DVec3::ZERO; self.movable.len()];
         self.active = self.movable.iter().map(|&v| (self.level, self.addresses[v as usize])).collect();
         self.active.sort_unstable();
     }
+}
+
+/// For each vertex of a level the root vertex that is nearest on a root face of it.
+fn nearest_roots(surface: &LoopSurface, mesh: &LevelMesh) -> Vec<VertexId> {
+    let (mut nearest, steps) = (vec![VertexId(NONE); mesh.vertices.len()], 1_u32 << mesh.level);
+    for (code, corners) in mesh.codes.iter().zip(&mesh.corners) {
+        let root = surface.mesh.face(code.root_face(mesh.level));
+        for (&v, (i, j)) in corners.iter().zip(code.corners(mesh.level)) {
+            let weights = [steps - i - j, i, j];
+            let heaviest = (1..3).fold(0, |best, c| if weights[c] > weights[best] { c } else { best });
+            nearest[v as usize] = root[heaviest];
+        }
+    }
+    nearest
 }
 
 /// The faces of `level` among `faces` where `region` lets details stand.

@@ -15,6 +15,7 @@ pub mod relax;
 pub mod remesh;
 mod system;
 pub mod tessellate;
+pub mod trim;
 
 pub use system::{correspond_fits, modify_fits, refine_fits};
 

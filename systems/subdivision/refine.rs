@@ -99,6 +99,7 @@ impl FitWork {
         let faces = within(&self.options.region, &self.surface, level, region::children(&failing));
         let mut next = OpenLevel::new(&self.surface, &self.corners, &self.details, level, faces);
         next.allow(&self.surface, &self.options.region);
+        next.look_first_at(&self.surface, &self.natural);
         if next.movable.is_empty() {
             self.unreachable = worst(patches.iter());
             let all = larger(self.unreachable, self.settled);

@@ -12,6 +12,7 @@
 use glam::DVec3;
 use selvedge_components::curve::Curve;
 use selvedge_components::curve::Heading;
+pub use selvedge_components::trim::Relaxed;
 
 /// How the relaxation is run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,19 +29,6 @@ impl Default for RelaxOptions {
     fn default() -> Self {
         Self { step: 0.5, sweeps: 20, middle: 0.4 }
     }
-}
-
-/// What the relaxation did to one strip.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct Relaxed {
-    /// Sweeps made.
-    pub sweeps: u32,
-    /// The greatest distance of a knot from its isosceles place, along the rim edge and over its
-    /// length: before and after.
-    pub residual: [f64; 2],
-    /// The worst shape of a triangle of the strip, `2 area / longest edge^2` (0.87 for an
-    /// equilateral one): before and after.
-    pub worst_shape: [f64; 2],
 }
 
 /// A knot to be relaxed.

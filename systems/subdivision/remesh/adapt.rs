@@ -77,7 +77,7 @@ pub fn adapt(
 
 fn too_fine(track: &Track, limit: u32, segment: u32) -> RemeshError {
     let p = &track.points[segment as usize];
-    RemeshError::TooFine { limit, curve: p.cut as usize, u: p.t.abs(), at: p.position }
+    RemeshError::TooFine { limit, curve: p.curve as usize, u: p.u, at: p.position }
 }
 
 /// Rule 1: the finest level that each curve asks for.

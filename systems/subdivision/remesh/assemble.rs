@@ -9,10 +9,11 @@ use glam::DVec3;
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
 use selvedge_components::subdivision::{Address, Details, FaceCode, LoopSurface, NONE};
+use selvedge_components::trim::{BorderLine, Junction};
 
 use super::super::region;
-use super::super::relax::{Relaxed, curve_parameter};
-use super::attach::{KnotKind, Strip};
+use super::super::relax::Relaxed;
+use super::attach::Strip;
 use super::closure::{Part, Piece, at_level};
 use super::remove::{Fate, Trouble};
 use super::{Work, cleanup, manifold, sides};
@@ -33,9 +34,11 @@ pub enum VertexOrigin {
     OnCurve {
         /// The curve, by index.
         curve: u32,
-        /// Its index among the curve's parameters.
+        /// Its index among the parameters of its side.
         index: u32,
     },
+    /// It is this junction, by index.
+    Junction(u32),
 }
 
 /// Where a face of the new cage came from.
@@ -62,6 +65,18 @@ pub enum FaceOrigin {
     },
 }
 
+/// What a side of the new surface runs along.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SideOrigin {
+    /// The line.
+    pub line: BorderLine,
+    /// The parameters of its first and last vertex on the line, in the direction of the side, with
+    /// the surface on the left: of a curve the curve's own, of a plain side the share of it. On a
+    /// closed line they are wrapped, so the second may be the smaller; they agree where the side is
+    /// all of it.
+    pub range: [f64; 2],
+}
+
 /// A remeshed surface.
 #[derive(Clone, Debug)]
 pub struct Remeshed {
@@ -79,8 +94,16 @@ pub struct Remeshed {
     pub changed: Vec<VertexId>,
     /// What became of the faces of the source: leaves that tile it, each with its fate. By root face.
     pub fates: Vec<(u32, FaceCode, Fate)>,
-    /// What relaxation did, by curve.
+    /// What relaxation did, by contour: a loop of border that the curves make together, or a
+    /// stretch of one from border to border.
     pub relaxed: Vec<Relaxed>,
+    /// Where curves cross each other, or leave the source across its border.
+    pub junctions: Vec<Junction>,
+    /// The curves no part of which is a border, because they lie within what others take away;
+    /// ascending.
+    pub unused: Vec<usize>,
+    /// By side of the new surface, what it runs along.
+    pub side_origin: Vec<SideOrigin>,
     /// How many faces the valence clean-up changed.
     pub flipped: usize,
 }
@@ -132,6 +155,9 @@ pub(super) fn assemble(work: &Work<'_>, relaxed: Vec<Relaxed>) -> Result<Remeshe
         changed,
         fates: fates(work),
         relaxed,
+        junctions: work.plan.junctions.clone(),
+        unused: work.plan.unused.clone(),
+        side_origin: sides.origins,
         flipped: flipped.len(),
         surface,
     })
@@ -205,7 +231,12 @@ impl Parts {
             let renamed =
                 Strip { rim: strip.rim.iter().map(|&v| names.lattice[v as usize]).collect(), ..strip.clone() };
             let triangles = renamed.triangles(|k| begin + k as u32);
-            self.origins.extend(triangles.iter().map(|_| FaceOrigin::Strip { curve: strip.cut }));
+            // A triangle belongs to the first of its knots.
+            let curve = |t: &[u32; 3]| {
+                let knot = t.iter().find(|&&v| v >= begin).map_or(0, |v| v - begin);
+                work.curve_of(s as u32, knot)
+            };
+            self.origins.extend(triangles.iter().map(|t| FaceOrigin::Strip { curve: curve(t) }));
             self.triangles.extend(triangles);
         }
         self.limit = self.vertices.iter().map(|&v| limit(work, v)).collect();
@@ -246,26 +277,13 @@ impl Parts {
     }
 }
 
-/// The travel of a knot as the curve's own parameter; that of a corner to the bit.
-pub(super) fn knot_parameter(work: &Work<'_>, strip: u32, knot: u32) -> f64 {
-    let strip = &work.strips[strip as usize];
-    let cut = &work.cuts[strip.cut as usize];
-    let knot = &strip.knots[knot as usize];
-    let u = curve_parameter(&*cut.curve, cut.heading, knot.t);
-    if knot.kind == KnotKind::Smooth || knot.kind == KnotKind::End {
-        return u;
-    }
-    // A few sums and differences of numbers of the size of one lie between.
-    let apart = |v: f64| (u - v - (u - v).round()).abs();
-    let nearest = cut.curve.corners().iter().copied().min_by(|a, b| apart(*a).total_cmp(&apart(*b)));
-    nearest.unwrap_or(u)
-}
-
 fn limit(work: &Work<'_>, vertex: Vertex) -> DVec3 {
     match vertex {
         Vertex::Lattice(l) => work.adapted.vertices[l as usize].limit,
         Vertex::Knot(s, k) => {
-            work.cuts[work.strips[s as usize].cut as usize].curve.position(knot_parameter(work, s, k))
+            let spot = work.parameters[s as usize].spots[k as usize];
+            let on_curve = || work.cuts[work.curve_of(s, k) as usize].curve.position(spot.u);
+            spot.junction.map_or_else(on_curve, |j| work.plan.junctions[j as usize].point)
         }
     }
 }
@@ -280,8 +298,10 @@ fn origin(work: &Work<'_>, vertex: Vertex) -> VertexOrigin {
             }
         }
         Vertex::Knot(s, k) => {
-            let index = work.parameters[s as usize].1[k as usize] as u32;
-            VertexOrigin::OnCurve { curve: work.strips[s as usize].cut, index }
+            let parameters = &work.parameters[s as usize];
+            let index = parameters.indices[k as usize] as u32;
+            let on_curve = VertexOrigin::OnCurve { curve: work.curve_of(s, k), index };
+            parameters.spots[k as usize].junction.map_or(on_curve, VertexOrigin::Junction)
         }
     }
 }
@@ -293,8 +313,8 @@ fn natural(work: &Work<'_>, vertex: Vertex) -> SurfacePoint {
             place_of(&work.surface.mesh, v.birth, v.address)
         }
         Vertex::Knot(s, k) => {
-            let strip = &work.strips[s as usize];
-            work.track.source(work.track.place_of_parameter(strip.cut, strip.knots[k as usize].t))
+            let (strip, track) = (&work.strips[s as usize], &work.plan.track);
+            track.source(track.place_of_parameter(strip.cut, strip.knots[k as usize].t))
         }
     }
 }

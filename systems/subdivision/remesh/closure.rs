@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 
 use glam::DVec3;
+use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::Connectivity;
 use selvedge_components::subdivision::{Address, CornerTable, FaceCode, LoopSurface};
 
@@ -31,6 +32,15 @@ pub struct Piece {
     pub leaf: FaceCode,
     /// Is it all of it?
     pub part: Part,
+}
+
+impl Piece {
+    /// The middle of its leaf.
+    pub fn middle(&self) -> SurfacePoint {
+        let sum = self.leaf.corners(self.level).iter().fold((0, 0), |sum, p| (sum.0 + p.0, sum.1 + p.1));
+        let whole = 3.0 * f64::from(1_u32 << self.level);
+        SurfacePoint::new(self.leaf.root_face(self.level), f64::from(sum.0) / whole, f64::from(sum.1) / whole)
+    }
 }
 
 /// How much of its leaf a triangle is.

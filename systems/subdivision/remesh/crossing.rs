@@ -1,69 +1,76 @@
-//! Where pre-images cross: themselves, or each other.
+//! Where pre-images cross: themselves, which is refused, or each other.
 
-use glam::DVec2;
-use selvedge_components::mesh::FaceId;
+use selvedge_components::subdivision::remesh::PreImageError;
 
-use super::error::PreImageError;
 use super::path::Leg;
 use super::track::{Near, Track};
+use super::winding::{Way, Ways, is_left};
 
-/// Finds the first place, in the order of faces and segments, at which the track meets itself.
+/// A place where the tracks of two curves cross.
+#[derive(Clone, Copy, Debug)]
+pub struct Crossing {
+    /// The place on the older curve and on the younger one.
+    pub at: [Near; 2],
+}
+
+/// All crossings of different curves, in the order of the faces they lie in.
 ///
 /// # Errors
-/// [`PreImageError::Crossing`].
-pub fn check(track: &Track) -> Result<(), PreImageError> {
-    let mut legs: Vec<(FaceId, u32, Leg)> = Vec::new();
-    for (segment, point) in track.points.iter().enumerate() {
-        legs.extend(point.legs.iter().filter(|l| l.from != l.to).map(|&l| (l.face, segment as u32, l)));
-    }
-    legs.sort_by_key(|l| (l.0, l.1));
-    for face in legs.chunk_by(|a, b| a.0 == b.0) {
+/// [`PreImageError::Crossing`] where a curve crosses itself, with the curve's index in it.
+pub fn find(track: &Track, ways: &Ways) -> Result<Vec<Crossing>, PreImageError> {
+    let mut crossings = Vec::new();
+    for face in ways.faces() {
+        let ways = ways.of(face);
         // By the left end, so that only legs whose spans meet are compared.
-        let mut order: Vec<usize> = (0..face.len()).collect();
-        order.sort_by(|&a, &b| span(&face[a].2).0.total_cmp(&span(&face[b].2).0).then(a.cmp(&b)));
+        let mut order: Vec<usize> = (0..ways.len()).collect();
+        order.sort_by(|&a, &b| span(&ways[a].leg).0.total_cmp(&span(&ways[b].leg).0).then(a.cmp(&b)));
         for (k, &a) in order.iter().enumerate() {
-            let end = span(&face[a].2).1;
-            for &b in order[k + 1..].iter().take_while(|&&b| span(&face[b].2).0 <= end) {
-                if are_neighbours(track, face[a].1, face[b].1) {
-                    continue;
-                }
-                if let Some((f, g)) = meet(&face[a].2, &face[b].2) {
-                    return Err(crossing(track, (face[a].1, f), (face[b].1, g)));
+            let end = span(&ways[a].leg).1;
+            for &b in order[k + 1..].iter().take_while(|&&b| span(&ways[b].leg).0 <= end) {
+                // The older curve first, and of one curve the earlier place.
+                let (a, b) = (&ways[a.min(b)], &ways[a.max(b)]);
+                if !are_neighbours(track, a.segment, b.segment) && cross(&a.leg, &b.leg) {
+                    crossings.push(crossing(track, a, b)?);
                 }
             }
         }
     }
-    Ok(())
+    Ok(crossings)
 }
 
 fn span(leg: &Leg) -> (f64, f64) {
     (leg.from.x.min(leg.to.x), leg.from.x.max(leg.to.x))
 }
 
-/// Neighbouring segments share a point, and one segment may have two legs.
+/// Neighbouring segments share a point, and one segment may have several legs.
 fn are_neighbours(track: &Track, a: u32, b: u32) -> bool {
     a == b || track.points[a as usize].next == b || track.points[b as usize].next == a
 }
 
-/// The parts of two legs at which they meet.
-fn meet(a: &Leg, b: &Leg) -> Option<(f64, f64)> {
-    let side = |p: DVec2, q: DVec2, x: DVec2| (q - p).perp_dot(x - p);
-    let (a1, a2) = (side(b.from, b.to, a.from), side(b.from, b.to, a.to));
-    let (b1, b2) = (side(a.from, a.to, b.from), side(a.from, a.to, b.to));
-    // Legs on one line have no single place in common; if they overlap, their neighbours meet them.
-    if a1 * a2 > 0.0 || b1 * b2 > 0.0 || (a1 == a2) || (b1 == b2) {
-        return None;
-    }
-    let part = |leg: &Leg, f: f64| leg.part[0] + (leg.part[1] - leg.part[0]) * f;
-    Some((part(a, a1 / (a1 - a2)), part(b, b1 / (b1 - b2))))
+/// Do two legs cross? Each has its beginning and not its end, so that ways that cross at a joint
+/// do so once.
+fn cross(a: &Leg, b: &Leg) -> bool {
+    is_left(b.from, b.to, a.from) != is_left(b.from, b.to, a.to)
+        && is_left(a.from, a.to, b.from) != is_left(a.from, a.to, b.to)
 }
 
-fn crossing(track: &Track, a: (u32, f64), b: (u32, f64)) -> PreImageError {
-    let near = |(segment, part): (u32, f64)| Near { segment, part, distance: 0.0 };
-    let cut = |s: u32| track.points[s as usize].cut as usize;
-    let u = |p| {
-        let t = track.parameter(near(p)).abs();
-        if t > 1.0 { t - 1.0 } else { t }
+fn crossing(track: &Track, a: &Way, b: &Way) -> Result<Crossing, PreImageError> {
+    // How far along a leg the line of the other is met.
+    let part = |leg: &Leg, other: &Leg| {
+        let off = |x| (other.to - other.from).perp_dot(x - other.from);
+        let (from, to) = (off(leg.from), off(leg.to));
+        let f = if from == to { 0.5 } else { (from / (from - to)).clamp(0.0, 1.0) };
+        leg.part[0] + (leg.part[1] - leg.part[0]) * f
     };
-    PreImageError::Crossing { curves: [cut(a.0), cut(b.0)], u: [u(a), u(b)], at: track.position(near(a)) }
+    let at = [(a, part(&a.leg, &b.leg)), (b, part(&b.leg, &a.leg))];
+    let at = at.map(|(way, part)| Near { segment: way.segment, part, distance: 0.0 });
+    let curves = at.map(|near| track.points[near.segment as usize].curve as usize);
+    if track.points[a.segment as usize].cut == track.points[b.segment as usize].cut {
+        let u = at.map(|near| {
+            let t = track.parameter(near).abs();
+            if t > 1.0 { t - 1.0 } else { t }
+        });
+        return Err(PreImageError::Crossing { curves, u, at: track.position(at[0]) });
+    }
+    Ok(Crossing { at })
 }

@@ -19,35 +19,40 @@ pub mod assemble;
 pub mod attach;
 pub mod cleanup;
 pub mod closure;
+pub mod contour;
 mod crossing;
-pub mod error;
 pub mod field;
+pub mod junction;
 pub mod leaves;
 pub mod path;
 pub mod preimage;
 pub mod remove;
 mod sides;
 pub mod track;
+pub mod winding;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::DVec3;
-use selvedge_components::curve::{Curve, CurveParameters, Heading};
+use selvedge_components::curve::{Curve, Heading};
 use selvedge_components::mesh::Connectivity;
+pub use selvedge_components::subdivision::remesh as error;
 use selvedge_components::subdivision::{CornerTable, LoopSurface, NONE};
 
 pub use adapt::AdaptOptions;
-pub use assemble::{FaceOrigin, Remeshed, VertexOrigin};
+pub use assemble::{FaceOrigin, Remeshed, SideOrigin, VertexOrigin};
 pub use error::{PreImageError, RemeshError};
+pub use junction::JunctionOptions;
 pub use preimage::{Extent, PathPoint, PreImage, TraceOptions, trace, trace_parts};
 pub use remove::Fate;
 
 use super::relax::{self, RelaxOptions, Relaxed, Slider};
 use closure::{Adapted, Part};
+use contour::{Arrangement, Contour};
 use leaves::Leaves;
 use remove::{Cage, Place, Remains, Trouble};
 use track::Track;
@@ -74,13 +79,22 @@ pub struct RemeshOptions {
     /// The farthest from the curves that a vertex may change, in model units. The whole cage is
     /// refined first as often as that takes.
     pub reach: Option<f64>,
+    /// What is asked of the places where curves cross.
+    pub junctions: JunctionOptions,
     /// How often the cage is made finer where boundaries come too near to each other.
     pub tries: u32,
 }
 
 impl Default for RemeshOptions {
     fn default() -> Self {
-        Self { adapt: AdaptOptions::default(), margin: 0.3, relax: RelaxOptions::default(), reach: None, tries: 12 }
+        Self {
+            adapt: AdaptOptions::default(),
+            margin: 0.3,
+            relax: RelaxOptions::default(),
+            reach: None,
+            junctions: JunctionOptions::default(),
+            tries: 12,
+        }
     }
 }
 
@@ -98,18 +112,13 @@ pub fn remesh(
 ) -> Result<Remeshed, RemeshError> {
     check(cuts, preimages)?;
     let corners = CornerTable::new(surface);
-    let track = Track::new(&surface.mesh, cuts, preimages)
-        .map_err(|(curve, source)| RemeshError::PreImage { curve, source })?;
-    crossing::check(&track).map_err(|source| {
-        let curve = if let PreImageError::Crossing { curves, .. } = &source { curves[0] } else { 0 };
-        RemeshError::PreImage { curve, source }
-    })?;
+    let plan = contour::arrange(&surface.mesh, cuts, preimages, &options.junctions)?;
     let mut options = *options;
     let deepest = options.adapt.finest;
     loop {
-        let remeshed = refine_until_sound(surface, &corners, cuts, &track, &options)?;
+        let remeshed = refine_until_sound(surface, &corners, cuts, &plan, &options)?;
         let Some(reach) = options.reach else { return Ok(remeshed) };
-        let (distance, at) = remeshed.reach(&track);
+        let (distance, at) = remeshed.reach(&plan.track);
         if distance <= reach {
             return Ok(remeshed);
         }
@@ -142,13 +151,14 @@ fn refine_until_sound(
     surface: &LoopSurface,
     corners: &CornerTable,
     cuts: &[Cut],
-    track: &Track,
+    plan: &Arrangement,
     options: &RemeshOptions,
 ) -> Result<Remeshed, RemeshError> {
+    let track = &plan.track;
     let mut least = vec![0; track.points.len()];
     for tried in 0.. {
         let leaves = adapt::adapt(surface, corners, track, &options.adapt, &least)?;
-        let (what, places) = match cut_once(surface, corners, cuts, track, &leaves, options) {
+        let (what, places) = match cut_once(surface, corners, cuts, plan, &leaves, options) {
             Ok(remeshed) => return Ok(remeshed),
             Err(Trouble::Error(why)) => return Err(why),
             Err(Trouble::TooCoarse { what, places }) => (what, places),
@@ -157,8 +167,9 @@ fn refine_until_sound(
             places.iter().for_each(|place| ask_for_finer(track, place, &mut least));
             continue;
         };
-        let u = track.parameter(first.near).abs();
-        let curve = track.points[first.near.segment as usize].cut as usize;
+        let point = &track.points[first.near.segment as usize];
+        let u = plan.contours[point.cut as usize].spot(cuts, track.parameter(first.near)).u;
+        let curve = point.curve as usize;
         let (at, level) = (track.position(first.near), leaves.finest());
         return Err(RemeshError::Unresolved { what, curve, u, at, tries: tried, level });
     }
@@ -198,10 +209,11 @@ fn cut_once(
     surface: &LoopSurface,
     corners: &CornerTable,
     cuts: &[Cut],
-    track: &Track,
+    plan: &Arrangement,
     leaves: &Leaves,
     options: &RemeshOptions,
 ) -> Result<Remeshed, Trouble> {
+    let track = &plan.track;
     let adapted = closure::close(surface, corners, leaves).map_err(Trouble::Error)?;
     let mesh = manifold(adapted.vertices.len(), &adapted.triangles)?;
     let levels: Vec<u32> = adapted.sources.iter().map(|s| s.level).collect();
@@ -214,8 +226,9 @@ fn cut_once(
         track,
         margin: options.margin,
     };
-    let remains = cage.cut(&crossed(&adapted, track, leaves))?;
-    let mut strips = Vec::with_capacity(cuts.len());
+    let stays = |f: usize| plan.winding.stays(adapted.sources[f].middle());
+    let remains = cage.cut(&crossed(&adapted, track, leaves), &stays)?;
+    let mut strips = Vec::with_capacity(plan.contours.len());
     for (cut, rim) in remains.loops.iter().enumerate() {
         let strip = attach::attach(track, cut as u32, rim, |v| (limit[v as usize], cage.normal(v)));
         strips.push(strip.map_err(|near| {
@@ -224,13 +237,14 @@ fn cut_once(
             Trouble::TooCoarse { what: "too coarse between two corners", places: vec![place] }
         })?);
     }
-    let relaxed = strips.iter_mut().zip(cuts).map(|(strip, cut)| settle(strip, cut, &limit, options)).collect();
+    let contours = strips.iter_mut().zip(&plan.contours);
+    let relaxed = contours.map(|(strip, contour)| settle(strip, contour, &limit, options)).collect();
     let base = options.adapt.base;
     let mut work = Work {
         base,
         surface,
         cuts,
-        track,
+        plan,
         leaves,
         adapted: &adapted,
         remains: &remains,
@@ -246,13 +260,21 @@ struct Work<'a> {
     base: u32,
     surface: &'a LoopSurface,
     cuts: &'a [Cut],
-    track: &'a Track,
+    plan: &'a Arrangement,
     leaves: &'a Leaves,
     adapted: &'a Adapted,
     remains: &'a Remains,
     strips: &'a [attach::Strip],
-    /// By strip: the parameters of its knots, and the index of each knot in them.
-    parameters: Vec<(Arc<CurveParameters>, Vec<u64>)>,
+    /// By strip.
+    parameters: Vec<sides::StripParameters>,
+}
+
+impl Work<'_> {
+    /// The curve that a knot of a strip lies on, of two the one that goes on from there.
+    fn curve_of(&self, strip: u32, knot: u32) -> u32 {
+        let contour = &self.plan.contours[self.strips[strip as usize].cut as usize];
+        contour.spans[self.parameters[strip as usize].spots[knot as usize].span as usize].cut
+    }
 }
 
 fn manifold(vertices: usize, triangles: &[[u32; 3]]) -> Result<Connectivity, Trouble> {
@@ -279,7 +301,7 @@ fn crossed(adapted: &Adapted, track: &Track, leaves: &Leaves) -> Vec<(u32, u32)>
 }
 
 /// Relaxes one strip.
-fn settle(strip: &mut attach::Strip, cut: &Cut, limit: &[DVec3], options: &RemeshOptions) -> Relaxed {
+fn settle(strip: &mut attach::Strip, contour: &Contour, limit: &[DVec3], options: &RemeshOptions) -> Relaxed {
     let mut sliders: Vec<Slider> = strip
         .knots
         .iter()
@@ -288,18 +310,18 @@ fn settle(strip: &mut attach::Strip, cut: &Cut, limit: &[DVec3], options: &Remes
             Slider { t: knot.t, base: smooth.then(|| strip.base(knot).map(|v| limit[v as usize])) }
         })
         .collect();
-    let curve = &*cut.curve;
+    let (curve, heading) = (&*contour.curve, contour.heading);
     let worst = |sliders: &[Slider], strip: &attach::Strip| {
         let knots: Vec<DVec3> =
-            sliders.iter().map(|k| curve.position(relax::curve_parameter(curve, cut.heading, k.t))).collect();
+            sliders.iter().map(|k| curve.position(relax::curve_parameter(curve, heading, k.t))).collect();
         let begin = limit.len() as u32;
         let at = |v: u32| if v < begin { limit[v as usize] } else { knots[(v - begin) as usize] };
         let triangles = strip.triangles(|i| begin + i as u32);
         triangles.iter().map(|t| relax::shape(t.map(at))).fold(f64::INFINITY, f64::min)
     };
-    let before = (relax::residual(curve, cut.heading, &sliders), worst(&sliders, strip));
-    relax::relax(curve, cut.heading, &mut sliders, options.relax);
-    let after = (relax::residual(curve, cut.heading, &sliders), worst(&sliders, strip));
+    let before = (relax::residual(curve, heading, &sliders), worst(&sliders, strip));
+    relax::relax(curve, heading, &mut sliders, options.relax);
+    let after = (relax::residual(curve, heading, &sliders), worst(&sliders, strip));
     strip.knots.iter_mut().zip(&sliders).for_each(|(knot, slider)| knot.t = slider.t);
     Relaxed { sweeps: options.relax.sweeps, residual: [before.0, after.0], worst_shape: [before.1, after.1] }
 }

@@ -27,8 +27,9 @@ pub enum Join {
     Bent,
 }
 
-/// The way from `a` to `b`; `None` if their faces do not meet.
-pub fn connect(mesh: &Connectivity, a: SurfacePoint, b: SurfacePoint) -> Option<(Vec<Leg>, Join)> {
+/// The way from `a` to `b`, which passes the vertices on it at `clearance` (a part of the edge);
+/// `None` if their faces do not meet.
+pub fn connect(mesh: &Connectivity, a: SurfacePoint, b: SurfacePoint, clearance: f64) -> Option<(Vec<Leg>, Join)> {
     if a.face == b.face {
         return Some((vec![Leg { face: a.face, from: a.st, to: b.st, part: [0.0, 1.0] }], Join::Straight));
     }
@@ -36,17 +37,17 @@ pub fn connect(mesh: &Connectivity, a: SurfacePoint, b: SurfacePoint) -> Option<
     for i in 0..3 {
         let h = HalfedgeId::of(a.face, i);
         let Some(twin) = mesh.twin(h).filter(|t| t.face() == b.face) else { continue };
-        let (legs, join) = through_edge(a, b, i, twin.corner());
+        let (legs, join) = through_edge(a, b, [i, twin.corner()], clearance);
         if join == Join::Straight {
             return Some((legs, join));
         }
         bent = bent.or(Some((legs, join)));
     }
-    bent.or_else(|| through_vertex(mesh, a, b))
+    bent.or_else(|| around_vertex(mesh, a, b, clearance))
 }
 
 /// Weights of the three corners.
-fn weights(st: DVec2) -> [f64; 3] {
+pub fn weights(st: DVec2) -> [f64; 3] {
     [1.0 - st.x - st.y, st.x, st.y]
 }
 
@@ -62,7 +63,7 @@ pub fn corner(i: usize) -> DVec2 {
 
 /// Through half-edge `i` of the face of `a`, whose twin leaves corner `k` of the face of `b`: the
 /// two faces are unfolded into a parallelogram, where the way is straight.
-fn through_edge(a: SurfacePoint, b: SurfacePoint, i: usize, k: usize) -> (Vec<Leg>, Join) {
+fn through_edge(a: SurfacePoint, b: SurfacePoint, [i, k]: [usize; 2], clearance: f64) -> (Vec<Leg>, Join) {
     let (wa, wb) = (weights(a.st), weights(b.st));
     let unfolded = corner((i + 1) % 3) * wb[k]
         + corner(i) * wb[(k + 1) % 3]
@@ -71,26 +72,43 @@ fn through_edge(a: SurfacePoint, b: SurfacePoint, i: usize, k: usize) -> (Vec<Le
     let part = if off_a + off_b > 0.0 { off_a / (off_a + off_b) } else { 0.5 };
     let cross = a.st.lerp(unfolded, part);
     let along = weights(cross)[(i + 1) % 3];
-    let inside = along.clamp(0.0, 1.0);
+    let inside = along.clamp(clearance, 1.0 - clearance);
     let legs = vec![
         Leg { face: a.face, from: a.st, to: on_edge(i, inside), part: [0.0, part] },
         Leg { face: b.face, from: on_edge(k, 1.0 - inside), to: b.st, part: [part, 1.0] },
     ];
     // Rounding may put the crossing a few units beyond the end of the edge.
-    let slack = 16.0 * f64::EPSILON;
+    let slack = clearance + 16.0 * f64::EPSILON;
     (legs, if (along - inside).abs() <= slack { Join::Straight } else { Join::Bent })
 }
 
-fn through_vertex(mesh: &Connectivity, a: SurfacePoint, b: SurfacePoint) -> Option<(Vec<Leg>, Join)> {
+/// Through the faces between those of `a` and `b` around a vertex that both have, the shorter way.
+fn around_vertex(mesh: &Connectivity, a: SurfacePoint, b: SurfacePoint, clearance: f64) -> Option<(Vec<Leg>, Join)> {
     let (fa, fb) = (mesh.face(a.face), mesh.face(b.face));
-    let (i, k) = (0..3).find_map(|i| Some((i, fb.iter().position(|&v| v == fa[i])?)))?;
-    let (off_a, off_b) = (a.st.distance(corner(i)), b.st.distance(corner(k)));
+    let v = *fa.iter().find(|v| fb.contains(v))?;
+    let ring: Vec<HalfedgeId> = mesh.ring(v).collect();
+    let of = |face: FaceId| ring.iter().position(|h| h.face() == face);
+    let (from, to, n) = (of(a.face)?, of(b.face)?, ring.len());
+    let forth = (to + n - from) % n;
+    let (steps, forward) = match mesh.is_border(v) {
+        true => (from.abs_diff(to), to > from),
+        false => (forth.min(n - forth), forth <= n - forth),
+    };
+    // Where the way leaves the face of `h`, and enters it: near the vertex on the two edges there.
+    let near = |h: HalfedgeId, next: usize| corner(h.corner()).lerp(corner((h.corner() + next) % 3), clearance);
+    let (leave, enter) = if forward { (2, 1) } else { (1, 2) };
+    let (off_a, off_b) = (a.st.distance(corner(ring[from].corner())), b.st.distance(corner(ring[to].corner())));
     let part = if off_a + off_b > 0.0 { off_a / (off_a + off_b) } else { 0.5 };
-    let legs = vec![
-        Leg { face: a.face, from: a.st, to: corner(i), part: [0.0, part] },
-        Leg { face: b.face, from: corner(k), to: b.st, part: [part, 1.0] },
-    ];
-    Some((legs, Join::Bent))
+    let legs = (0..=steps).map(|k| {
+        let h = ring[if forward { from + k } else { from + n - k } % n];
+        Leg {
+            face: h.face(),
+            from: if k == 0 { a.st } else { near(h, enter) },
+            to: if k == steps { b.st } else { near(h, leave) },
+            part: [if k == 0 { 0.0 } else { part }, if k == steps { 1.0 } else { part }],
+        }
+    });
+    Some((legs.collect(), Join::Bent))
 }
 
 /// The face of `level` that holds the point `st` of root face `face`.
@@ -189,7 +207,7 @@ mod tests {
         let mesh = Connectivity::new(4, &[[0, 1, 2], [2, 1, 3]]).expect("two faces");
         // Face 1 is (2, 1, 3): the parallelogram's far corner is its corner 2.
         let (a, b) = (SurfacePoint::new(FaceId(0), 0.2, 0.3), SurfacePoint::new(FaceId(1), 0.5, 0.3));
-        let (legs, join) = connect(&mesh, a, b).expect("they meet");
+        let (legs, join) = connect(&mesh, a, b, 0.0).expect("they meet");
         assert_eq!(join, Join::Straight);
         let plane = |p: &Leg, st: DVec2| {
             let corners =

@@ -230,7 +230,7 @@ impl Tracer<'_> {
         // Pieces still to be looked at, the first on top.
         let mut stack = vec![(a, b, 0)];
         while let Some((a, b, depth)) = stack.pop() {
-            let way = path::connect(self.mesh, a.at, b.at).map(|(_, join)| join);
+            let way = path::connect(self.mesh, a.at, b.at, 0.0).map(|(_, join)| join);
             let middle = self.at(0.5 * (a.u + b.u), Some(a.at))?;
             let spent = depth == DEEPEST || middle.u <= a.u || middle.u >= b.u;
             let done = match way {

@@ -88,13 +88,10 @@ pub struct Cage<'a> {
     pub margin: f64,
 }
 
-/// A corner lies clearly on one side of a curve if the way to it is at less than some 70 degrees to
-/// the curve's left or right; the others do not vote.
-const CLEAR: f64 = 0.35;
-
 impl Cage<'_> {
-    /// Cuts the cage. `crossed` lists triangles with a segment that crosses them.
-    pub fn cut(&self, crossed: &[(u32, u32)]) -> Result<Remains, Trouble> {
+    /// Cuts the cage. `crossed` lists triangles with a segment that crosses them; `stays` tells of
+    /// one that no segment crosses whether it lies on the left of all curves.
+    pub fn cut(&self, crossed: &[(u32, u32)], stays: &dyn Fn(usize) -> bool) -> Result<Remains, Trouble> {
         let near = spread(self.track, self.triangles, self.limit, crossed.iter().copied());
         let mut fates = vec![Fate::Kept; self.triangles.len()];
         crossed.iter().for_each(|&(f, _)| fates[f as usize] = Fate::Cut);
@@ -106,7 +103,7 @@ impl Cage<'_> {
         }
         self.make_room_at_corners(&near, &mut fates);
         let mut remains = Remains { fates, loops: Vec::new(), near };
-        self.flood(&mut remains)?;
+        self.flood(&mut remains, stays);
         self.trim(&mut remains)?;
         remains.loops = self.rims(&mut remains)?;
         Ok(remains)
@@ -149,86 +146,27 @@ impl Cage<'_> {
         sum.fold(DVec3::ZERO, |sum, n| sum + n).normalize_or_zero()
     }
 
-    /// Which side of its nearest curve vertex `v` lies on: `Some(true)` on the left.
-    fn is_left(&self, v: u32, near: Near) -> Option<bool> {
-        let normal = self.normal(v);
-        let left = normal.cross(self.track.direction(near));
-        let way = self.limit[v as usize] - self.track.position(near);
-        let way = (way - normal * way.dot(normal)).normalize_or_zero();
-        let side = way.dot(left.normalize_or_zero());
-        (side.abs() > CLEAR).then_some(side > 0.0)
-    }
-
     /// Decides part by part what stays: parts are sets of triangles joined through edges.
-    fn flood(&self, remains: &mut Remains) -> Result<(), Trouble> {
-        let mut part = vec![NONE; self.triangles.len()];
-        let mut parts = 0;
-        // By curve, whether a part on its left stays, and a point of one that does not.
-        let mut served = vec![(false, None); self.track.tracks.len()];
+    fn flood(&self, remains: &mut Remains, stays: &dyn Fn(usize) -> bool) {
+        let mut seen = vec![false; self.triangles.len()];
         for seed in 0..self.triangles.len() {
-            if part[seed] != NONE || remains.fates[seed] == Fate::Cut {
+            if seen[seed] || remains.fates[seed] == Fate::Cut {
                 continue;
             }
-            part[seed] = parts;
+            let fate = if stays(seed) { Fate::Kept } else { Fate::Removed };
+            seen[seed] = true;
             let mut members = vec![seed];
-            let mut next = 0;
-            while let Some(&f) = members.get(next) {
-                next += 1;
+            while let Some(f) = members.pop() {
+                remains.fates[f] = fate;
                 for t in (0..3).filter_map(|i| self.mesh.twin(HalfedgeId::of(FaceId::new(f), i))) {
                     let g = t.face().index();
-                    if part[g] == NONE && remains.fates[g] != Fate::Cut {
-                        part[g] = parts;
+                    if !seen[g] && remains.fates[g] != Fate::Cut {
+                        seen[g] = true;
                         members.push(g);
                     }
                 }
             }
-            parts += 1;
-            let [left, right] = self.sides_of(&members, remains)?;
-            if !right.is_empty() {
-                members.iter().for_each(|&f| remains.fates[f] = Fate::Removed);
-            }
-            for curve in left {
-                served[curve].0 |= right.is_empty();
-                served[curve].1 = Some(self.limit[self.triangles[seed][0] as usize]);
-            }
         }
-        if !remains.fates.contains(&Fate::Kept) {
-            return Err(Trouble::Error(RemeshError::NothingLeft));
-        }
-        let lost = served.iter().enumerate().find_map(|(curve, &(stays, at))| Some((curve, at?)).filter(|_| !stays));
-        lost.map_or(Ok(()), |(curve, at)| Err(Trouble::Error(RemeshError::NothingOnLeft { curve, at })))
-    }
-
-    /// The curves that have a part on their left, and those that have it on their right.
-    fn sides_of(&self, members: &[usize], remains: &Remains) -> Result<[Vec<usize>; 2], Trouble> {
-        // Votes for left and right, by curve, and where the part is met.
-        let mut votes = vec![[0_u32; 2]; self.track.tracks.len()];
-        let mut place = None;
-        for &v in members.iter().flat_map(|&f| &self.triangles[f]) {
-            let Some(near) = remains.near[v as usize] else { continue };
-            let at_band = self.mesh.ring(VertexId(v)).any(|h| remains.fates[h.face().index()] == Fate::Cut);
-            if !at_band {
-                continue;
-            }
-            let Some(left) = self.is_left(v, near) else { continue };
-            place = Some((v, near));
-            votes[self.track.points[near.segment as usize].cut as usize][usize::from(!left)] += 1;
-        }
-        // A few corners that lie beyond a bend of the curve may vote wrongly where the cage is too
-        // coarse; a part that lies on both sides has votes for both in like numbers.
-        for (curve, &[left, right]) in votes.iter().enumerate() {
-            let (fewer, more) = (left.min(right), left.max(right));
-            if fewer > 0 {
-                let Some((v, near)) = place else { continue };
-                if 4 * fewer > more {
-                    let at = self.limit[v as usize];
-                    return Err(Trouble::Error(RemeshError::DoesNotSeparate { curve, at }));
-                }
-                let places = vec![self.place(v, near)];
-                return Err(Trouble::TooCoarse { what: "too coarse to tell left from right", places });
-            }
-        }
-        Ok([0, 1].map(|side| (0..votes.len()).filter(|&curve| votes[curve][side] > 0).collect()))
     }
 
     fn is_kept(&self, remains: &Remains, h: Option<HalfedgeId>) -> bool {

@@ -12,10 +12,12 @@ use selvedge_components::curve::{Curve, CurveParameters, Extent, Heading, wrap};
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::{Connectivity, EdgeId, HalfedgeId, VertexId};
 use selvedge_components::subdivision::{Address, Border, Ends, LoopSurface, Side};
+use selvedge_components::trim::BorderLine;
 
 use super::Work;
-use super::assemble::{Parts, Vertex, knot_parameter};
+use super::assemble::{Parts, SideOrigin, Vertex};
 use super::attach::KnotKind;
+use super::contour::{Contour, Spot};
 use super::error::RemeshError;
 use super::remove::{Place as CurvePlace, Trouble};
 
@@ -24,6 +26,8 @@ use super::remove::{Place as CurvePlace, Trouble};
 pub(super) struct Sides {
     /// Those of the source first, in its order.
     pub sides: Vec<Side>,
+    /// By side.
+    pub origins: Vec<SideOrigin>,
     /// Boundary details of level 0 on plain sides that are given now.
     pub details: Vec<(VertexId, DVec3)>,
     /// Vertices of sides whose rule changed.
@@ -57,11 +61,17 @@ pub(super) fn sides(work: &Work<'_>, parts: &Parts, mesh: &Connectivity) -> Resu
         check_ends(work, parts, &borders, &border)?;
         split(work, parts, &borders, &border, &mut runs);
     }
-    runs.sort_by(|a, b| a.owner.cmp(&b.owner).then(a.vertices[0].cmp(&b.vertices[0])));
+    // The older first: where two sides meet, the first gives the bits.
+    let line = |run: &Run| match run.owner {
+        Owner::Source(s) => BorderLine::Side(s as usize),
+        Owner::Strip(s) => BorderLine::Cut(work.curve_of(s, first_knot(parts, run)) as usize),
+    };
+    runs.sort_by_key(|run| (line(run), run.vertices[0]));
     let mut out = Sides::default();
     for run in runs {
+        let line = line(&run);
         match run.owner {
-            Owner::Strip(s) => out.sides.push(cut_side(work, parts, s, run)),
+            Owner::Strip(s) => cut_side(work, parts, s, run, line, &mut out),
             Owner::Source(s) => source_side(work, parts, &borders, s as usize, run, &mut out)?,
         }
     }
@@ -79,8 +89,8 @@ fn check_ends(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, border: &[V
             _ => continue,
         };
         let strip = &work.strips[strip as usize];
-        let near = work.track.place_of_parameter(strip.cut, strip.knots[knot as usize].t);
-        let end = borders.place(work.track.source(near));
+        let near = work.plan.track.place_of_parameter(strip.cut, strip.knots[knot as usize].t);
+        let end = borders.place(work.plan.track.source(near));
         let vertex = &work.adapted.vertices[l as usize];
         let own = borders.edge(vertex.address, leaving).and_then(|e| {
             let (side, step) = borders.of_edge[e.index()]?;
@@ -207,42 +217,101 @@ fn split(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, border: &[Vertex
     }
 }
 
-/// A side along a cut. All sides of one cut share its parameters.
-fn cut_side(work: &Work<'_>, parts: &Parts, s: u32, run: Run) -> Side {
-    let strip = &work.strips[s as usize];
-    let cut = &work.cuts[strip.cut as usize];
-    let index = match parts.vertices[run.vertices[0].index()] {
-        Vertex::Knot(_, k) => work.parameters[s as usize].1[k as usize],
+/// The knot that a run along a strip begins with.
+fn first_knot(parts: &Parts, run: &Run) -> u32 {
+    match parts.vertices[run.vertices[0].index()] {
+        Vertex::Knot(_, k) => k,
         Vertex::Lattice(_) => 0,
-    };
-    let border =
-        Border::Given { curve: Arc::clone(&work.parameters[s as usize].0), first: index, heading: cut.heading };
-    Side { vertices: run.vertices, ends: run.ends, border }
+    }
 }
 
-/// The parameters of a strip's knots, which its sides share, and the index of each knot in them.
-pub(super) fn strip_parameters(work: &Work<'_>, s: u32) -> Result<(Arc<CurveParameters>, Vec<u64>), Trouble> {
-    let strip = &work.strips[s as usize];
-    let cut = &work.cuts[strip.cut as usize];
-    let n = strip.knots.len();
-    let closed = work.track.tracks[strip.cut as usize].closed;
-    let mut order: Vec<usize> = (0..n).collect();
-    let u: Vec<f64> = if closed {
-        let u: Vec<f64> = (0..n).map(|k| knot_parameter(work, s, k as u32)).collect();
-        order.sort_by(|&a, &b| u[a].total_cmp(&u[b]));
-        order.iter().map(|&k| u[k]).collect()
-    } else {
-        // Unwrapped: a piece of a closed curve may run over its end.
-        if cut.heading == Heading::Against {
-            order.reverse();
-        }
-        order.iter().map(|&k| knot_parameter(work, s, k as u32)).collect()
+/// A side along a cut. All sides of one stretch of it share its parameters.
+fn cut_side(work: &Work<'_>, parts: &Parts, s: u32, run: Run, line: BorderLine, out: &mut Sides) {
+    let own = &work.parameters[s as usize];
+    let k = first_knot(parts, &run) as usize;
+    let heading = work.cuts[work.curve_of(s, k as u32) as usize].heading;
+    let curve = Arc::clone(&own.spans[own.spots[k].span as usize]);
+    let side = Side {
+        vertices: run.vertices,
+        ends: run.ends,
+        border: Border::Given { curve, first: own.indices[k], heading },
     };
-    let mut index = vec![0; n];
-    order.iter().enumerate().for_each(|(i, &k)| index[k] = i as u64);
-    let is_corner = |&i: &usize| strip.knots[order[i]].kind != KnotKind::Smooth;
-    let corners: Vec<usize> = (0..n).filter(is_corner).collect();
-    Ok((parameters(&cut.curve, u, closed, &corners, strip.cut as usize)?, index))
+    let last = side.edge_count() as u64;
+    out.origins.push(SideOrigin { line, range: [0, last].map(|step| given_at(&side, step)) });
+    out.sides.push(side);
+}
+
+/// The parameter of a given side after so many steps; 0 on a plain one.
+fn given_at(side: &Side, step: u64) -> f64 {
+    match (&side.border, side.curve_index(0, step)) {
+        (Border::Given { curve, .. }, Some(index)) => curve.parameter(0, index),
+        _ => 0.0,
+    }
+}
+
+/// The parameters along a strip.
+pub(super) struct StripParameters {
+    /// Of each stretch of its contour.
+    pub spans: Vec<Arc<CurveParameters>>,
+    /// By knot, its place on the contour.
+    pub spots: Vec<Spot>,
+    /// By knot, its index in the parameters of its stretch.
+    pub indices: Vec<u64>,
+}
+
+/// The parameters of a strip's knots, which its sides share.
+pub(super) fn strip_parameters(work: &Work<'_>, s: u32) -> Result<StripParameters, Trouble> {
+    let strip = &work.strips[s as usize];
+    let contour = &work.plan.contours[strip.cut as usize];
+    let spots = strip.knots.iter().map(|knot| match knot.kind {
+        KnotKind::Smooth | KnotKind::End => contour.spot(work.cuts, knot.t),
+        KnotKind::Convex | KnotKind::Concave => contour.corner(work.cuts, knot.t),
+    });
+    let mut out = StripParameters { spans: Vec::new(), spots: spots.collect(), indices: vec![0; strip.knots.len()] };
+    for (i, span) in contour.spans.iter().enumerate() {
+        let cut = &work.cuts[span.cut as usize];
+        let mut members = members(&out.spots, strip.closed, contour, i as u32);
+        let mut u: Vec<f64> = members.iter().map(|&k| out.spots[k].u).collect();
+        if let (Some(last), Some(_)) = (u.last_mut(), span.junctions[1]) {
+            *last = span.u[1];
+        }
+        let closed = contour.is_single() && strip.closed;
+        if closed {
+            members.sort_by(|&a, &b| out.spots[a].u.total_cmp(&out.spots[b].u));
+            u.sort_by(f64::total_cmp);
+        } else if cut.heading == Heading::Against {
+            members.reverse();
+            u.reverse();
+        }
+        let is_corner = |&i: &usize| strip.knots[members[i]].kind != KnotKind::Smooth;
+        let corners: Vec<usize> = (0..members.len()).filter(is_corner).collect();
+        for (i, &k) in members.iter().enumerate() {
+            if out.spots[k].span as usize == out.spans.len() {
+                out.indices[k] = i as u64;
+            }
+        }
+        out.spans.push(parameters(&cut.curve, u, closed, &corners, span.cut as usize)?);
+    }
+    Ok(out)
+}
+
+/// The knots of a stretch in their order, with the one that ends it.
+fn members(spots: &[Spot], closed: bool, contour: &Contour, span: u32) -> Vec<usize> {
+    let n = spots.len();
+    if contour.is_single() {
+        return (0..n).collect();
+    }
+    let begins = |k: &usize| spots[*k].span == span && spots[*k].junction.is_some();
+    let first = (0..n).find(begins).unwrap_or(0);
+    let is_inside = |&k: &usize| spots[k].junction.is_none();
+    let order = (first + 1..if closed { first + n } else { n }).map(|k| k % n);
+    let mut members = vec![first];
+    members.extend(order.clone().take_while(is_inside));
+    // A stretch that ends in a junction ends where the next begins.
+    if contour.spans[span as usize].junctions[1].is_some() {
+        members.push((first + members.len()) % n);
+    }
+    members
 }
 
 /// The parameters as the curve owns them: `u` rises in the curve's direction, and may be unwrapped.
@@ -279,6 +348,7 @@ fn source_side(
 ) -> Result<(), Trouble> {
     let side = &work.surface.sides[s];
     let whole = side.edge_count() as f64;
+    let line = BorderLine::Side(s);
     let mut places: Vec<Place> = Vec::with_capacity(run.vertices.len());
     for (i, v) in run.vertices.iter().enumerate() {
         let mut place = place_of(work, parts, borders, *v, i + 1 == run.vertices.len());
@@ -291,7 +361,9 @@ fn source_side(
     let untouched = run.ends == side.ends
         && run.vertices.len() == side.vertices.len()
         && places.iter().enumerate().all(|(i, p)| p.x == i as f64 && p.level == Some(0));
+    let range = [0, run.vertices.len() - 1].map(|i| if run.ends == Ends::Closed { 0.0 } else { places[i].x / whole });
     if untouched {
+        out.origins.push(SideOrigin { line, range: range_of(side, range) });
         out.sides.push(Side { vertices: run.vertices, ..side.clone() });
         return Ok(());
     }
@@ -326,8 +398,18 @@ fn source_side(
             }
         }
     }
+    let range = if matches!(side.border, Border::Plain) { range } else { range_of(&side_now, range) };
+    out.origins.push(SideOrigin { line, range });
     out.sides.push(side_now);
     Ok(())
+}
+
+/// The parameters of a given side's ends; of a plain one, what is given.
+fn range_of(side: &Side, plain: [f64; 2]) -> [f64; 2] {
+    match side.border {
+        Border::Plain => plain,
+        Border::Given { .. } => [0, side.edge_count() as u64].map(|step| given_at(side, step)),
+    }
 }
 
 fn place_of(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, v: VertexId, last: bool) -> Place {
@@ -345,8 +427,8 @@ fn place_of(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, v: VertexId, 
         }
         Vertex::Knot(s, k) => {
             let strip = &work.strips[s as usize];
-            let near = work.track.place_of_parameter(strip.cut, strip.knots[k as usize].t);
-            Place { x: borders.place(work.track.source(near)).map_or(0.0, |p| p.1), level: None }
+            let near = work.plan.track.place_of_parameter(strip.cut, strip.knots[k as usize].t);
+            Place { x: borders.place(work.plan.track.source(near)).map_or(0.0, |p| p.1), level: None }
         }
     }
 }

@@ -5,7 +5,7 @@
 
 use std::collections::VecDeque;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use selvedge_components::curve::Heading;
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::Connectivity;
@@ -26,8 +26,12 @@ pub struct TrackPoint {
     pub corner: bool,
     /// How far along the track it is, in model units.
     pub along: f64,
-    /// The curve, by index.
+    /// The track, by index.
     pub cut: u32,
+    /// The curve, by index.
+    pub curve: u32,
+    /// The curve's own parameter.
+    pub u: f64,
     /// The next and the previous point, or [`NONE`] at an open end.
     pub next: u32,
     /// See `next`.
@@ -44,6 +48,15 @@ pub struct Track {
     /// One entry per curve.
     pub tracks: Vec<Extent>,
 }
+
+/// How far the ways of a curve keep aside of vertices and edges that its points lie on, as a part of
+/// the edge; times the curve's number, so that no two of them meet a vertex or an edge at the same
+/// place. Then which side is which is never a matter of rounding. A million times that is still far
+/// below the finest cage.
+const ASIDE: f64 = 1.0 / (1_u64 << 33) as f64;
+
+/// A place inside every face, towards which points on its border are moved.
+const INSIDE: DVec2 = DVec2::new(0.317, 0.291);
 
 /// What is known of a whole track.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,45 +96,65 @@ impl Track {
     }
 
     fn push(&mut self, mesh: &Connectivity, c: usize, cut: &Cut, image: &PreImage) -> Result<(), PreImageError> {
-        let begin = self.points.len() as u32;
-        let count = image.points.len() as u32;
+        let count = image.points.len();
         let closed = image.extent == super::preimage::Extent::Round;
         if count < 3 {
             return Err(PreImageError::BadGiven { index: 0, reason: "it has fewer than three points" });
         }
+        let aside = ASIDE * (1 + c % 1024) as f64;
+        let place = |k: usize| {
+            let at = image.points[k].at;
+            // Where a curve ends on a border, it ends there to the bit.
+            let is_end = !closed && (k == 0 || k + 1 == count);
+            SurfacePoint { st: if is_end { at.st } else { at.st.lerp(INSIDE, aside) }, ..at }
+        };
         let corners = cut.curve.corners();
-        for k in 0..count {
-            let p = match cut.heading {
-                Heading::Along => &image.points[k as usize],
-                Heading::Against => &image.points[(count - 1 - k) as usize],
-            };
-            let wrap = |k: u32| begin + k % count;
-            let t = if cut.heading == Heading::Along { p.u } else { -p.u };
+        let order: Vec<usize> = match cut.heading {
+            Heading::Along => (0..count).collect(),
+            Heading::Against => (0..count).rev().collect(),
+        };
+        let mut points = Vec::with_capacity(count);
+        for (i, &k) in order.iter().enumerate() {
+            let p = &image.points[k];
             if !p.position.is_finite() {
                 return Err(PreImageError::NotFinite { u: p.u, at: p.position });
             }
-            self.points.push(TrackPoint {
+            let u = if p.u > 1.0 { p.u - 1.0 } else { p.u };
+            let legs = if closed || i + 1 < count {
+                let next = order[(i + 1) % count];
+                let reason = "the next point lies in a face that does not meet this one's";
+                path::connect(mesh, place(k), place(next), aside).ok_or(PreImageError::BadGiven { index: k, reason })?.0
+            } else {
+                Vec::new()
+            };
+            points.push(TrackPoint {
                 position: p.position,
-                t,
-                corner: corners.contains(&if p.u > 1.0 { p.u - 1.0 } else { p.u }),
+                t: if cut.heading == Heading::Along { p.u } else { -p.u },
+                corner: corners.contains(&u),
                 along: 0.0,
-                cut: c as u32,
-                next: if closed || k + 1 < count { wrap(k + 1) } else { NONE },
-                previous: if closed || k > 0 { wrap(k + count - 1) } else { NONE },
-                legs: Vec::new(),
+                cut: 0,
+                curve: c as u32,
+                u,
+                next: NONE,
+                previous: NONE,
+                legs,
             });
         }
-        let place = |k: u32| match cut.heading {
-            Heading::Along => image.points[k as usize].at,
-            Heading::Against => image.points[(count - 1 - k) as usize].at,
-        };
-        for k in 0..if closed { count } else { count - 1 } {
-            let (legs, _) = path::connect(mesh, place(k), place((k + 1) % count)).ok_or(PreImageError::BadGiven {
-                index: k as usize,
-                reason: "the next point lies in a face that does not meet this one's",
-            })?;
-            self.points[(begin + k) as usize].legs = legs;
-        }
+        self.append(points, closed);
+        Ok(())
+    }
+
+    /// Adds the track of these points, in order; their places in it need not be known.
+    pub fn append(&mut self, points: Vec<TrackPoint>, closed: bool) {
+        let (begin, count) = (self.points.len() as u32, points.len() as u32);
+        let cut = self.tracks.len() as u32;
+        let wrap = |k: u32| begin + k % count;
+        self.points.extend((0..).zip(points).map(|(k, p)| TrackPoint {
+            cut,
+            next: if closed || k + 1 < count { wrap(k + 1) } else { NONE },
+            previous: if closed || k > 0 { wrap(k + count - 1) } else { NONE },
+            ..p
+        }));
         let mut along = 0.0;
         for k in begin..begin + count {
             self.points[k as usize].along = along;
@@ -131,11 +164,10 @@ impl Track {
             }
         }
         self.tracks.push(Extent { begin, count, length: along, closed });
-        Ok(())
     }
 
     /// Does a segment begin at point `i`?
-    fn is_segment(&self, i: u32) -> bool {
+    pub fn is_segment(&self, i: u32) -> bool {
         self.points[i as usize].next != NONE
     }
 

@@ -4,7 +4,8 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 use selvedge_components::mesh::{FaceId, VertexId};
-use selvedge_components::subdivision::{Border, CornerTable, Ends, FaceCode, LimitRows, LoopSurface};
+use selvedge_components::subdivision::{Border, CornerTable, Ends, FaceCode, LevelMesh, LimitRows, LoopSurface};
+use selvedge_components::trim::BorderLine;
 
 use super::super::*;
 use super::draw;
@@ -21,12 +22,20 @@ pub struct Verdict {
 
 /// Asserts all that holds for any cage, and measures what may vary.
 pub fn judge(source: &LoopSurface, cuts: &[Cut], result: &Remeshed) -> Verdict {
-    let mesh = &result.surface.mesh;
-    fates_tile_the_source(source, result);
-    order_and_bits_are_kept(source, result);
+    let verdict = judge_union(source, cuts, result);
     for curve in 0..cuts.len() {
         rim_is_one_loop(cuts, result, curve as u32);
     }
+    verdict
+}
+
+/// The same for curves that may cross.
+pub fn judge_union(source: &LoopSurface, cuts: &[Cut], result: &Remeshed) -> Verdict {
+    let mesh = &result.surface.mesh;
+    fates_tile_the_source(source, result);
+    order_and_bits_are_kept(source, result);
+    sides_are_their_lines(cuts, result);
+    junctions_are_where_lines_meet(cuts, result);
     let inside = (0..mesh.vertex_count()).map(VertexId::new).filter(|&v| !mesh.is_border(v));
     let at = |v: VertexId| result.limit[v.index()];
     Verdict {
@@ -97,6 +106,64 @@ fn rim_is_one_loop(cuts: &[Cut], result: &Remeshed, curve: u32) {
             let edge = result.limit[mesh.to(mesh.outgoing(*v)).index()].distance(result.limit[v.index()]);
             assert!(gap < 0.5 * edge, "curve {curve} step {step}: {gap} of {edge}");
         }
+    }
+}
+
+/// Every border edge has one side; a side along a cut is the cut's own points, to the bit, with four
+/// edges at each vertex, and three or five at its corners.
+fn sides_are_their_lines(cuts: &[Cut], result: &Remeshed) {
+    let surface = &result.surface;
+    let mesh = &surface.mesh;
+    let edges: usize = mesh.border_loops().iter().map(Vec::len).sum();
+    assert_eq!(surface.sides.iter().map(|s| s.edge_count()).sum::<usize>(), edges);
+    assert_eq!(surface.sides.len(), result.side_origin.len());
+    assert!(result.side_origin.windows(2).all(|o| o[0].line <= o[1].line), "the older lines first");
+    let corners = CornerTable::new(surface);
+    let root = LevelMesh::root(surface, &corners);
+    for (side, origin) in surface.sides.iter().zip(&result.side_origin) {
+        let ends = [side.vertices[0], side.vertices[side.vertices.len() - 1]];
+        for (step, &v) in side.vertices.iter().enumerate() {
+            let is_end = side.ends == Ends::Corners && ends.contains(&v);
+            let BorderLine::Cut(cut) = origin.line else { continue };
+            let index = side.curve_index(0, step as u64).expect("a cut side is given");
+            let Border::Given { curve, heading, .. } = &side.border else { panic!("a cut side is given") };
+            assert_eq!(*heading, cuts[cut].heading);
+            let k = mesh.valence(v);
+            assert!(k == 4 && !is_end || is_end && (k == 3 || k == 5), "valence {k} on cut {cut}");
+            let on_curve = cuts[cut].curve.position(curve.parameter(0, index));
+            if !is_end {
+                assert_eq!(root.sample(v.0).to_array().map(f64::to_bits), on_curve.to_array().map(f64::to_bits));
+            }
+        }
+    }
+}
+
+/// Each is a corner with three edges, whose point is the older line's to the bit and lies on the younger.
+fn junctions_are_where_lines_meet(cuts: &[Cut], result: &Remeshed) {
+    let surface = &result.surface;
+    let corners = CornerTable::new(surface);
+    let root = LevelMesh::root(surface, &corners);
+    for (j, junction) in result.junctions.iter().enumerate() {
+        let is_there = |o: &VertexOrigin| *o == VertexOrigin::Junction(j as u32);
+        let places: Vec<usize> =
+            (0..result.vertex_origin.len()).filter(|&v| is_there(&result.vertex_origin[v])).collect();
+        assert_eq!(places.len(), 1, "junction {j} is one vertex");
+        let v = VertexId::new(places[0]);
+        assert_eq!(surface.mesh.valence(v), 3);
+        let bits = |p: DVec3| p.to_array().map(f64::to_bits);
+        assert_eq!(bits(root.sample(v.0)), bits(junction.point));
+        let [(older, u), (younger, w)] = junction.ends;
+        assert!(older < younger);
+        let at = |line, u| match line {
+            BorderLine::Cut(c) => cuts[c].curve.position(u),
+            BorderLine::Side(_) => junction.point,
+        };
+        assert_eq!(bits(at(older, u)), bits(junction.point));
+        assert!((at(younger, w).distance(junction.point) - junction.gap).abs() < 1e-15);
+        let meeting = surface.sides.iter().zip(&result.side_origin);
+        let meeting = meeting.filter(|(s, _)| s.vertices[0] == v || s.vertices[s.vertices.len() - 1] == v);
+        let lines: Vec<BorderLine> = meeting.map(|(_, origin)| origin.line).collect();
+        assert_eq!(lines, [older, younger]);
     }
 }
 

@@ -5,8 +5,9 @@
 mod borders;
 mod bores;
 mod closed;
+mod crossings;
 mod draw;
 mod judge;
 mod refusals;
 mod shapes;
-mod support;
+pub(crate) mod support;

@@ -93,30 +93,6 @@ fn a_figure_of_eight_crosses_itself_in_its_middle() {
 }
 
 #[test]
-fn two_bores_that_overlap_cross() {
-    let (plate, walker) = plate();
-    let cuts = [on(&walker, circle(DVec2::new(-0.03, 0.001), 0.06)), on(&walker, circle(DVec2::new(0.03, 0.0), 0.06))];
-    let found = run(&plate, &walker, &cuts, &RemeshOptions::default());
-    assert!(matches!(found, Err(RemeshError::PreImage { source: PreImageError::Crossing { .. }, .. })), "{found:?}");
-}
-
-#[test]
-fn a_curve_whose_left_is_taken_away_is_named() {
-    let (plate, walker) = plate();
-    // The disc inside stays of one, what is outside of the other.
-    let inside = Cut { heading: Heading::Against, ..on(&walker, circle(DVec2::ZERO, 0.05)) };
-    let cuts = [inside, on(&walker, circle(DVec2::ZERO, 0.15))];
-    let found = run(&plate, &walker, &cuts, &RemeshOptions::default());
-    assert!(found.is_ok(), "an island in a hole");
-    let outward = [
-        on(&walker, circle(DVec2::ZERO, 0.05)),
-        Cut { heading: Heading::Along, ..on(&walker, circle(DVec2::ZERO, 0.15)) },
-    ];
-    let found = run(&plate, &walker, &outward, &RemeshOptions::default());
-    assert!(matches!(found, Err(RemeshError::NothingOnLeft { .. })), "{found:?}");
-}
-
-#[test]
 fn an_open_curve_is_refused() {
     #[derive(Debug)]
     struct Open;

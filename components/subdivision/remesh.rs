@@ -1,12 +1,12 @@
 //! Why a surface could not be remeshed: what, where and by how much.
 
 use glam::DVec3;
-use selvedge_components::curve::ParameterError;
-use selvedge_components::evaluate::SurfacePoint;
-use selvedge_components::mesh::{Fault, VertexId};
 use thiserror::Error;
 
-use selvedge_components::target::TargetError;
+use crate::curve::ParameterError;
+use crate::evaluate::SurfacePoint;
+use crate::mesh::{Fault, VertexId};
+use crate::target::TargetError;
 
 /// A curve has no usable pre-image on the surface.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -157,6 +157,71 @@ pub enum RemeshError {
         curve: usize,
         /// A point of the part on its left.
         at: DVec3,
+    },
+    /// Two curves cross, but do not meet: where they come nearest they are too far apart.
+    #[error("curves {} and {} cross at {at}, u = {} and {}, but pass {gap} apart there: more than {limit}", .curves[0], .curves[1], .u[0], .u[1])]
+    Gap {
+        /// The curves, by index, the older first.
+        curves: [usize; 2],
+        /// Their parameters.
+        u: [f64; 2],
+        /// The point of the older.
+        at: DVec3,
+        /// Their distance, in model units.
+        gap: f64,
+        /// The greatest that is allowed.
+        limit: f64,
+    },
+    /// Two curves cross at so small an angle that no triangle fits between them, or run along each
+    /// other.
+    #[error("curves {} and {} cross at {at}, u = {} and {}, at an angle of {angle} degrees: less than {limit}", .curves[0], .curves[1], .u[0], .u[1])]
+    Tangential {
+        /// The curves, by index, the older first.
+        curves: [usize; 2],
+        /// Their parameters.
+        u: [f64; 2],
+        /// The point of the older.
+        at: DVec3,
+        /// The angle, in degrees.
+        angle: f64,
+        /// The smallest that is allowed.
+        limit: f64,
+    },
+    /// Two curves run along each other for a while.
+    #[error("curves {} and {} run along each other at {at}, u = {} and {}, {distance} apart", .curves[0], .curves[1], .u[0], .u[1])]
+    Coincident {
+        /// The curves, by index, the older first.
+        curves: [usize; 2],
+        /// The parameters of a place where they do.
+        u: [f64; 2],
+        /// The point of the older.
+        at: DVec3,
+        /// Their distance, in model units.
+        distance: f64,
+    },
+    /// Places where curves cross lie too near to each other to be told apart.
+    #[error("curve {curve} crosses others twice at {at}, u = {u}: the places cannot be told apart")]
+    Tangled {
+        /// The curve, by index.
+        curve: usize,
+        /// Where on it.
+        u: f64,
+        /// The point.
+        at: DVec3,
+    },
+    /// A curve turns back on itself.
+    #[error("curve {curve} has a cusp at {at}, u = {u}: its sides meet at {angle} degrees, less than {limit}")]
+    Cusp {
+        /// The curve, by index.
+        curve: usize,
+        /// Where on it.
+        u: f64,
+        /// The point.
+        at: DVec3,
+        /// The angle between its sides, in degrees.
+        angle: f64,
+        /// The smallest that is allowed.
+        limit: f64,
     },
     /// Two boundaries come too near to each other, or to a border, to be told apart at the finest
     /// level tried.

@@ -1,0 +1,272 @@
+//! # Audit of a trim: the result against its source, by other means than those that made it
+//!
+//! Distances are measured at random places, both ways, by Gauss-Newton steps from places that
+//! correspond, over the faces that the trim could change: beyond them the limit surface has the bits
+//! it had. Source points under the strip need no way back of their own: the feet of the strip's
+//! samples are such points, and lie as near to the result as the samples to them. Borders are
+//! compared with the curves themselves; edges, loops and pieces are counted.
+
+use std::sync::Arc;
+
+use selvedge_components::curve::Traversal;
+use selvedge_components::evaluate::{Evaluate, SurfacePoint};
+use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
+use selvedge_components::subdivision::{Border, FaceCode, LoopSurface};
+use selvedge_components::trim::{TrimAudit, TrimAuditFault, TrimFault, TrimOptions, TrimQuantum};
+
+use super::ground::Ground;
+use crate::foot;
+use crate::parallel::map_in_order;
+use crate::subdivision::limit::LimitSurface;
+use crate::subdivision::remesh::{FaceOrigin, Remeshed};
+
+/// Faces measured in one work quantum: some milliseconds.
+const QUANTUM: usize = 64;
+
+/// An audit in progress.
+#[derive(Debug)]
+pub struct TrimAuditWork {
+    ground: Arc<Ground>,
+    remeshed: Arc<Remeshed>,
+    surface: Arc<LoopSurface>,
+    limit: LimitSurface,
+    /// The distance allowed, if one was asked for.
+    allowed: Option<f64>,
+    samples: u32,
+    seed: u64,
+    omega: Vec<FaceCode>,
+    measured: usize,
+    found: TrimAudit,
+}
+
+impl TrimAuditWork {
+    /// Begins to measure `surface`, the fitted form of `remeshed`, against `ground`.
+    ///
+    /// # Errors
+    /// [`TrimFault::Unevaluated`].
+    pub fn new(
+        ground: Arc<Ground>,
+        remeshed: Arc<Remeshed>,
+        surface: Arc<LoopSurface>,
+        allowed: Option<f64>,
+        options: &TrimOptions,
+    ) -> Result<Self, TrimFault> {
+        let limit =
+            LimitSurface::new(Arc::clone(&surface)).map_err(|why| TrimFault::Unevaluated { why: why.to_string() })?;
+        let (omega, samples, seed) = (remeshed.omega(), options.samples, options.seed);
+        let found = TrimAudit::default();
+        Ok(Self { ground, remeshed, surface, limit, allowed, samples, seed, omega, measured: 0, found })
+    }
+
+    /// What is measured.
+    pub const fn surface(&self) -> &Arc<LoopSurface> {
+        &self.surface
+    }
+
+    /// What has been found so far.
+    pub const fn found(&self) -> &TrimAudit {
+        &self.found
+    }
+
+    /// Measures some more faces; all of them measured, judges.
+    ///
+    /// # Errors
+    /// [`TrimFault::Audit`] with everything that is wrong.
+    pub fn advance(&mut self) -> Result<TrimQuantum, TrimFault> {
+        let end = self.omega.len().min(self.measured + QUANTUM);
+        let faces = &self.omega[self.measured..end];
+        let each = map_in_order(faces.len(), |i| self.measure(faces[i].root_face(0)));
+        for face in each {
+            farther(&mut self.found, &face);
+        }
+        self.measured = end;
+        if end < self.omega.len() {
+            return Ok(TrimQuantum::More);
+        }
+        let mut faults = Vec::new();
+        self.judge_distances(&mut faults);
+        self.judge_borders(&mut faults);
+        self.judge_cover(&mut faults);
+        if faults.is_empty() { Ok(TrimQuantum::Finished) } else { Err(TrimFault::Audit { faults }) }
+    }
+
+    /// Samples one face of the result, and the piece of the source that it stands for.
+    fn measure(&self, face: FaceId) -> TrimAudit {
+        let mut draw = Draw::new(self.seed, face.0);
+        let mut found = TrimAudit::default();
+        let source = self.ground.limit();
+        let corners = self.surface.mesh.face(face);
+        let origin = self.remeshed.face_origin[face.index()];
+        for _ in 0..self.samples {
+            let weights = draw.weights();
+            let x = self.limit.position(SurfacePoint::new(face, weights[1], weights[2]));
+            // The places that stand for the corners, the nearest first.
+            let mut starts = [0, 1, 2];
+            starts.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
+            let starts = starts.map(|c: usize| self.remeshed.natural[corners[c].index()]);
+            let off = foot::distance(&**source, &self.ground.surface.mesh, starts, x, 0.0);
+            farther(&mut found, &TrimAudit { to_source: off, to_source_at: x, samples: 1, ..TrimAudit::default() });
+            if let FaceOrigin::Leaf { level, code } = origin {
+                let y = source.position(on_root(level, code, draw.weights_near(weights)));
+                let starts = [SurfacePoint::new(face, weights[1], weights[2])];
+                let off = foot::distance(&self.limit, &self.surface.mesh, starts, y, 0.0);
+                farther(&mut found, &TrimAudit { to_result: off, to_result_at: y, samples: 1, ..TrimAudit::default() });
+            }
+        }
+        found
+    }
+
+    fn judge_distances(&self, faults: &mut Vec<TrimAuditFault>) {
+        let Some(limit) = self.allowed else { return };
+        let TrimAudit { to_source, to_source_at, to_result, to_result_at, .. } = self.found;
+        let both = [
+            ("the result from the source", to_source, to_source_at),
+            ("the source from the result", to_result, to_result_at),
+        ];
+        for (what, distance, at) in both {
+            if distance > limit || distance.is_nan() {
+                faults.push(TrimAuditFault::Distance { what, distance, limit, at });
+            }
+        }
+    }
+
+    /// Every border sample of the result is its curve's own value; borders are simple loops made of
+    /// sides; loops, parts and Euler number make a surface that is no more knotted than the source.
+    fn judge_borders(&mut self, faults: &mut Vec<TrimAuditFault>) {
+        let mesh = &self.surface.mesh;
+        for (s, side) in self.surface.sides.iter().enumerate() {
+            let Border::Given { curve, first, heading } = &side.border else { continue };
+            let along = Traversal { first: *first, heading: *heading };
+            // Vertices of the side, and places two levels below, through the evaluator.
+            for level in [0, 2] {
+                for step in 0..(side.edge_count() as u64) << level {
+                    let u = curve.parameter(level, along.vertex(curve, level, step));
+                    let (edge, part) = ((step >> level) as usize, step & ((1 << level) - 1));
+                    let ends = [edge, (edge + 1) % side.vertices.len()].map(|i| side.vertices[i]);
+                    let share = part as f64 / f64::from(1_u32 << level);
+                    let Some(at) = on_edge(mesh, ends, share) else { continue };
+                    let (found, sample) = (self.limit.position(at), curve.curve().position(u));
+                    self.found.border_samples += 1;
+                    if found.to_array().map(f64::to_bits) != sample.to_array().map(f64::to_bits) {
+                        faults.push(TrimAuditFault::OffCurve { side: s, u, at: found, sample });
+                    }
+                }
+            }
+        }
+        let loops = mesh.border_loops();
+        let edges: usize = loops.iter().map(Vec::len).sum();
+        let named: usize = self.surface.sides.iter().map(|side| side.edge_count()).sum();
+        if edges != named {
+            faults.push(TrimAuditFault::Border { edges, named });
+        }
+        let (euler, parts) = (mesh.euler(), parts(mesh));
+        (self.found.loops, self.found.euler) = (loops.len(), euler);
+        // Twice the genus of all parts together: even, and not above the source's.
+        let twice_genus = 2 * parts as i64 - euler - loops.len() as i64;
+        let source = &self.ground.surface.mesh;
+        let most = 2 * self::parts(source) as i64 - source.euler() - source.border_loops().len() as i64;
+        if twice_genus < 0 || twice_genus % 2 != 0 || twice_genus > most {
+            faults.push(TrimAuditFault::Euler { euler, loops: loops.len(), parts });
+        }
+    }
+
+    /// The pieces of the source that are kept, cut and removed make up each of its faces once.
+    fn judge_cover(&self, faults: &mut Vec<TrimAuditFault>) {
+        let mut shares = vec![0.0; self.ground.surface.mesh.face_count()];
+        for &(level, code, _) in &self.remeshed.fates {
+            shares[code.root_face(level).index()] += 0.25_f64.powi(level as i32);
+        }
+        for (face, &share) in (0_u32..).zip(&shares) {
+            // A sum of quarters of quarters is exact.
+            if share != 1.0 {
+                faults.push(TrimAuditFault::Cover { face, share });
+            }
+        }
+    }
+}
+
+/// Takes over what is farther in `b`; samples add up.
+fn farther(a: &mut TrimAudit, b: &TrimAudit) {
+    // A distance that is no number counts as far.
+    if b.to_source > a.to_source || b.to_source.is_nan() {
+        (a.to_source, a.to_source_at) = (b.to_source, b.to_source_at);
+    }
+    if b.to_result > a.to_result || b.to_result.is_nan() {
+        (a.to_result, a.to_result_at) = (b.to_result, b.to_result_at);
+    }
+    a.samples += b.samples;
+}
+
+/// The place of the root mesh where the corners of `code` weigh `weights`.
+fn on_root(level: u32, code: FaceCode, weights: [f64; 3]) -> SurfacePoint {
+    let scale = 1.0 / (1_u64 << level) as f64;
+    let corners = code.corners(level).map(|(i, j)| [f64::from(i) * scale, f64::from(j) * scale]);
+    let along = |k: usize| (0..3).map(|c| weights[c] * corners[c][k]).sum::<f64>();
+    SurfacePoint::new(code.root_face(level), along(0), along(1))
+}
+
+/// The place of the border edge between `ends`, walked with the surface on the left, at `share` of
+/// the way.
+fn on_edge(mesh: &Connectivity, ends: [VertexId; 2], share: f64) -> Option<SurfacePoint> {
+    let h: HalfedgeId = mesh.ring(ends[0]).find(|&h| mesh.to(h) == ends[1])?;
+    let mut weights = [0.0; 3];
+    let corner = h.corner();
+    (weights[corner], weights[(corner + 1) % 3]) = (1.0 - share, share);
+    Some(SurfacePoint::new(h.face(), weights[1], weights[2]))
+}
+
+/// How many connected parts a mesh has.
+fn parts(mesh: &Connectivity) -> usize {
+    let mut seen = vec![false; mesh.face_count()];
+    let mut parts = 0;
+    for f in 0..mesh.face_count() {
+        if core::mem::replace(&mut seen[f], true) {
+            continue;
+        }
+        parts += 1;
+        let mut stack = vec![FaceId::new(f)];
+        while let Some(face) = stack.pop() {
+            for corner in 0..3 {
+                if let Some(twin) = mesh.twin(HalfedgeId::of(face, corner))
+                    && !core::mem::replace(&mut seen[twin.face().index()], true)
+                {
+                    stack.push(twin.face());
+                }
+            }
+        }
+    }
+    parts
+}
+
+/// Random places, the same for the same seed and face.
+struct Draw(u64);
+
+impl Draw {
+    fn new(seed: u64, face: u32) -> Self {
+        Self(seed ^ u64::from(face).wrapping_mul(0x9e37_79b9_7f4a_7c15))
+    }
+
+    /// Between 0 and 1, by splitmix64 (Steele et al. 2014).
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Weights of the corners of a triangle, evenly spread over it.
+    fn weights(&mut self) -> [f64; 3] {
+        let (mut s, mut t) = (self.unit(), self.unit());
+        if s + t > 1.0 {
+            (s, t) = (1.0 - s, 1.0 - t);
+        }
+        [1.0 - s - t, s, t]
+    }
+
+    /// Other weights, a little aside: a place of the source that is no foot of the first.
+    fn weights_near(&mut self, weights: [f64; 3]) -> [f64; 3] {
+        let other = self.weights();
+        [0, 1, 2].map(|c| 0.9 * weights[c] + 0.1 * other[c])
+    }
+}

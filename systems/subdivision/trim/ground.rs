@@ -1,0 +1,66 @@
+//! A source, ready to be trimmed.
+
+use std::sync::Arc;
+
+use bevy_ecs::prelude::Component;
+use glam::DVec3;
+use selvedge_components::subdivision::LoopSurface;
+use selvedge_components::trim::TrimFault;
+
+use crate::closest::{Search, SurfaceIndex, SurfaceTarget};
+use crate::subdivision::limit::LimitSurface;
+
+/// The limit surface of a source, ready to be searched: what curves are located on, fitted to and
+/// measured against. Derived from a snapshot, shared by all trims of it, and dropped at will.
+#[derive(Component, Clone, Debug)]
+pub struct Ground {
+    /// The source.
+    pub surface: Arc<LoopSurface>,
+    /// The revision of the snapshot that it was made of.
+    pub revision: u64,
+    /// Its limit surface, ready to be searched.
+    pub index: Arc<SurfaceIndex<LimitSurface>>,
+    /// The mean length of the edges of the cage, in model units.
+    pub edge: f64,
+    /// The diagonal of the box around the control points, in model units.
+    pub size: f64,
+}
+
+impl Ground {
+    /// Prepares `surface`, which was gathered at `revision`.
+    ///
+    /// # Errors
+    /// [`TrimFault::Unevaluated`].
+    pub fn new(surface: Arc<LoopSurface>, revision: u64) -> Result<Self, TrimFault> {
+        let unevaluated = |why: &dyn core::fmt::Display| TrimFault::Unevaluated { why: why.to_string() };
+        let limit = LimitSurface::new(Arc::clone(&surface)).map_err(|why| unevaluated(&why))?;
+        let index = SurfaceIndex::new(Arc::new(limit)).map_err(|why| unevaluated(&why))?;
+        let (edge, size) = (mean_edge(&surface), diagonal(&surface.points));
+        Ok(Self { surface, revision, index: Arc::new(index), edge, size })
+    }
+
+    /// The limit surface.
+    pub fn limit(&self) -> &Arc<LimitSurface> {
+        self.index.surface()
+    }
+
+    /// The limit surface as what is fitted to: on the sheet that a hint lies on, for the other side
+    /// of a thin part may be nearer.
+    pub fn target(&self, search: Search) -> SurfaceTarget<LimitSurface> {
+        SurfaceTarget { index: Arc::clone(&self.index), search, revision: self.revision }
+    }
+}
+
+fn mean_edge(surface: &LoopSurface) -> f64 {
+    let (faces, points) = (surface.mesh.faces(), &surface.points);
+    let edges = faces.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+    let total: f64 = edges.map(|(a, b)| points[a.index()].distance(points[b.index()])).sum();
+    total / (3 * faces.len().max(1)) as f64
+}
+
+/// The diagonal of the box around `points`.
+pub(super) fn diagonal(points: &[DVec3]) -> f64 {
+    let low = points.iter().fold(DVec3::INFINITY, |low, &p| low.min(p));
+    let high = points.iter().fold(DVec3::NEG_INFINITY, |high, &p| high.max(p));
+    if points.is_empty() { 0.0 } else { low.distance(high) }
+}

@@ -1,0 +1,36 @@
+//! # Trim: from directed curves to what they leave
+//!
+//! | system | reads | writes | after | before |
+//! | --- | --- | --- | --- | --- |
+//! | admit | `Trim`, `TrimOptions`, `Tolerance`, `Budgets`, `Cancelled`; `SpaceCurve`, `Snapshot` and their failures | `TrimJob`, [`TrimWork`] and the marker of the first stage; or `TrimFailed` | `Check` | the stages |
+//! | locate | [`TrimWork`] | where the curves run on the source | admit | remesh |
+//! | remesh | [`TrimWork`] | the new cage; the fit of it, a `FitWork` with its markers | locate | the fit |
+//! | audit | [`TrimWork`], `FitWork` | what an independent measurement finds | the fit | advance |
+//! | advance | `TrimJob`, `FitJob` | markers; at the end the result of the source and `TrimReport`, or `TrimFailed` | the stages | - |
+//!
+//! Why: between remeshing and audit a trim is a fit like any other, of the new cage to the limit
+//! surface of its source, and the stages of fits make it. [Litke et al. 2001, Section 3]
+//!
+//! Trims of one source that touch are made together, from the source itself: nothing is ever fitted
+//! to, or measured against, the result of another trim, so however many there are nothing drifts.
+
+mod admit;
+mod audit;
+mod compose;
+mod ground;
+mod group;
+mod locate;
+mod system;
+mod work;
+
+pub use admit::{Candidate, Source, Verdict, anything_changed, verdict};
+pub use audit::TrimAuditWork;
+pub use compose::{ComposedOf, Solved, compose};
+pub use ground::Ground;
+pub use group::{Group, groups};
+pub use locate::{LocateWork, Located};
+pub use system::{Known, admit_trims, advance_trims, audit_trims, compose_results, locate_trims, remesh_trims};
+pub use work::{Blamed, TrimWork, fit_options};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,245 @@
+//! Trims that are made together: remesh, what begins their fit, and what ends it.
+
+use std::sync::Arc;
+
+use bevy_ecs::prelude::Component;
+use selvedge_components::budget::Budgets;
+use selvedge_components::evaluate::SurfacePoint;
+use selvedge_components::mesh::VertexId;
+use selvedge_components::subdivision::fit::{FitOptions, Outcome, Region};
+use selvedge_components::subdivision::remesh::{PreImageError, RemeshError};
+use selvedge_components::subdivision::{FaceCode, LoopSurface};
+use selvedge_components::target::{Guarded, Target};
+use selvedge_components::tolerance::Tolerance;
+use selvedge_components::trim::{TrimFault, TrimOptions, TrimQuantum, TrimReport, TrimStage, TrimmedCage};
+use thiserror::Error;
+
+use super::audit::TrimAuditWork;
+use super::ground::Ground;
+use super::locate::Located;
+use crate::closest::Search;
+use crate::subdivision::fit::FitWork;
+use crate::subdivision::relax::shape;
+use crate::subdivision::remesh::{self, Cut, PreImage, RemeshOptions, Remeshed};
+
+/// Trims in progress that are made together: all their dense state, but for that of their fit.
+///
+/// Lives as a component on the first of them while it runs. What it holds is derived: losing it
+/// costs time and nothing else.
+#[derive(Component, Debug)]
+pub struct TrimWork {
+    ground: Arc<Ground>,
+    members: Vec<Arc<Located>>,
+    options: TrimOptions,
+    tolerance: Option<Tolerance>,
+    remeshed: Option<Arc<Remeshed>>,
+    /// The fit of the new cage, until it is taken.
+    fit: Option<Box<FitWork>>,
+    audit: Option<TrimAuditWork>,
+}
+
+impl TrimWork {
+    /// Begins to trim `ground` by the curves of all `members`.
+    ///
+    /// Options and tolerances of trims that are made together are the strictest of each. The members
+    /// are in the order of the trims.
+    pub fn new(ground: Arc<Ground>, members: Vec<Arc<Located>>) -> Self {
+        let options = members.iter().map(|m| m.options.clone()).reduce(|a, b| strictest_options(&a, &b));
+        let tolerance = members.iter().filter_map(|m| m.tolerance).reduce(strictest_tolerance);
+        let options = options.unwrap_or_default();
+        Self { ground, members, options, tolerance, remeshed: None, fit: None, audit: None }
+    }
+
+    /// The source, ready to be searched.
+    pub const fn ground(&self) -> &Arc<Ground> {
+        &self.ground
+    }
+
+    /// The new cage, once there is one.
+    pub const fn remeshed(&self) -> Option<&Arc<Remeshed>> {
+        self.remeshed.as_ref()
+    }
+
+    /// The parts of all curves that lie on the source, as cuts, in the order of the trims.
+    pub fn parts(&self) -> impl Iterator<Item = (&Cut, &PreImage)> {
+        self.members.iter().flat_map(|m| m.parts.iter().map(|(cut, part)| (&m.cuts[*cut], part)))
+    }
+
+    /// For each of [`Self::parts`] the trim and its curve, by index.
+    fn owners(&self) -> Vec<(usize, usize)> {
+        let members = self.members.iter().enumerate();
+        members.flat_map(|(trim, m)| m.parts.iter().map(move |&(cut, _)| (trim, cut))).collect()
+    }
+
+    /// Works the curves into the cage and begins the fit of it, which [`Self::take_fit`] hands on.
+    ///
+    /// # Errors
+    /// As [`remesh::remesh`] and [`FitWork::new`].
+    pub fn remesh(&mut self, budgets: &Budgets) -> Result<TrimQuantum, Blamed> {
+        let options = RemeshOptions { reach: self.options.reach, ..RemeshOptions::default() };
+        let (cuts, images): (Vec<Cut>, Vec<PreImage>) = self.parts().map(|(c, p)| (c.clone(), p.clone())).unzip();
+        let remeshed = remesh::remesh(&self.ground.surface, &cuts, &images, &options).map_err(|why| self.blame(why))?;
+        let target: Arc<dyn Target> = Arc::new(self.ground.target(Search::AroundHint));
+        let guarded = Arc::new(Guarded::new(target, *budgets));
+        let options = fit_options(&self.options, self.tolerance.as_ref(), budgets, remeshed.omega());
+        let natural: Arc<[SurfacePoint]> = remeshed.natural.clone().into();
+        let fit = FitWork::new(Arc::new(remeshed.surface.clone()), guarded, options);
+        self.fit = Some(Box::new(fit.map_err(|why| self.newest(why.into()))?.with_natural(natural)));
+        self.remeshed = Some(Arc::new(remeshed));
+        Ok(TrimQuantum::Next(TrimStage::Fit))
+    }
+
+    /// The fit that remeshing has begun; it is not ours any more.
+    pub fn take_fit(&mut self) -> Option<FitWork> {
+        self.fit.take().map(|fit| *fit)
+    }
+
+    /// A failure for which no single curve can be named is that of the newest trim: those before it
+    /// may be sound without it.
+    pub fn newest(&self, why: TrimFault) -> Blamed {
+        Blamed { trim: self.members.len().saturating_sub(1), why }
+    }
+
+    /// Names the trim whose curve an error is about, and the curve as that trim counts its own.
+    fn blame(&self, mut why: RemeshError) -> Blamed {
+        let owners = self.owners();
+        let blamed = match &mut why {
+            RemeshError::PreImage { source: PreImageError::Crossing { curves, .. }, curve } => {
+                // Of two curves that cross, the newer one is in the way.
+                let newer = curves[0].max(curves[1]);
+                *curves = curves.map(|part| owners.get(part).map_or(part, |owner| owner.1));
+                Some((curve, newer))
+            }
+            RemeshError::PreImage { curve, .. }
+            | RemeshError::Open { curve, .. }
+            | RemeshError::DoesNotSeparate { curve, .. }
+            | RemeshError::TooFine { curve, .. }
+            | RemeshError::NothingOnLeft { curve, .. }
+            | RemeshError::Unresolved { curve, .. } => {
+                let part = *curve;
+                Some((curve, part))
+            }
+            _ => None,
+        };
+        let Some((curve, part)) = blamed else { return self.newest(why.into()) };
+        let Some(&(trim, own)) = owners.get(part) else { return self.newest(why.into()) };
+        *curve = own;
+        Blamed { trim, why: why.into() }
+    }
+
+    /// Runs one work quantum of the audit of `fit`, which is done.
+    ///
+    /// # Errors
+    /// [`TrimFault::Audit`] with everything that is wrong; [`TrimFault::Unevaluated`].
+    pub fn audit(&mut self, fit: &FitWork) -> Result<TrimQuantum, Blamed> {
+        let Some(audit) = &mut self.audit else {
+            let Some(remeshed) = self.remeshed.clone() else { return Ok(TrimQuantum::Finished) };
+            let surface = Arc::new(LoopSurface { details: fit.details().clone(), ..remeshed.surface.clone() });
+            let (ground, limit) = (Arc::clone(&self.ground), self.tolerance.map(|t| t.fit));
+            let audit = TrimAuditWork::new(ground, remeshed, surface, limit, &self.options);
+            self.audit = Some(audit.map_err(|why| self.newest(why))?);
+            return Ok(TrimQuantum::More);
+        };
+        audit.advance().map_err(|why| self.newest(why))
+    }
+
+    /// What is left of the source, once the audit has begun.
+    pub fn result(&self) -> Option<&Arc<LoopSurface>> {
+        self.audit.as_ref().map(TrimAuditWork::surface)
+    }
+
+    /// The report; `None` before the audit is done.
+    pub fn report(&self, fit: &FitWork) -> Option<TrimReport> {
+        let (remeshed, audit) = (self.remeshed.as_ref()?, self.audit.as_ref()?);
+        Some(TrimReport {
+            together: Vec::new(),
+            off: self.parts().map(|(_, part)| part.distance()).fold(0.0, f64::max),
+            initial: fit.initial().copied(),
+            ladder: fit.ladder().to_vec(),
+            outcome: fit.outcome()?,
+            details: fit.details().count(),
+            relaxed: remeshed.relaxed.clone(),
+            cage: self.cage(remeshed),
+            audit: *audit.found(),
+        })
+    }
+
+    fn cage(&self, remeshed: &Remeshed) -> TrimmedCage {
+        let mesh = &remeshed.surface.mesh;
+        let omega = remeshed.omega();
+        let changed = remeshed.changed.iter();
+        let worst = |worst: f64, face: &FaceCode| {
+            worst.min(shape(mesh.face(face.root_face(0)).map(|v| remeshed.limit[v.index()])))
+        };
+        TrimmedCage {
+            faces: mesh.face_count(),
+            outside: mesh.face_count() - omega.len(),
+            changed_radius: self.changed_radius(remeshed),
+            greatest_valence: changed.map(|&v| mesh.valence(v)).max().unwrap_or(0),
+            worst_shape: omega.iter().fold(f64::INFINITY, worst),
+        }
+    }
+
+    /// The farthest from the curves that a control point has changed.
+    fn changed_radius(&self, remeshed: &Remeshed) -> f64 {
+        let path: Vec<_> = self.parts().flat_map(|(_, part)| &part.points).map(|p| p.position).collect();
+        let away = |v: &VertexId| {
+            let x = remeshed.limit[v.index()];
+            path.iter().map(|p| p.distance_squared(x)).fold(f64::INFINITY, f64::min)
+        };
+        remeshed.changed.iter().map(away).fold(0.0, f64::max).sqrt()
+    }
+
+    /// Runs all stages to the end: what a host without a schedule does.
+    ///
+    /// # Errors
+    /// As the stages do, [`TrimFault::NotReached`] when the fit ends above its tolerance.
+    pub fn run(&mut self, budgets: &Budgets) -> Result<FitWork, Blamed> {
+        self.remesh(budgets)?;
+        // Remeshing has just begun a fit.
+        let Some(mut fit) = self.take_fit() else { return Err(self.newest(RemeshError::NoCurves.into())) };
+        match fit.run().map_err(|why| self.newest(why.into()))? {
+            Outcome::Within => {}
+            outcome => return Err(self.newest(TrimFault::NotReached { outcome })),
+        }
+        while self.audit(&fit)? == TrimQuantum::More {}
+        Ok(fit)
+    }
+}
+
+/// A failure of trims made together, and which of them is to go.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("trim {trim}: {why}")]
+pub struct Blamed {
+    /// The trim, by index among those made together.
+    pub trim: usize,
+    /// What happened.
+    pub why: TrimFault,
+}
+
+fn strictest_tolerance(a: Tolerance, b: Tolerance) -> Tolerance {
+    Tolerance { fit: a.fit.min(b.fit), chord: a.chord.min(b.chord), curve: a.curve.min(b.curve) }
+}
+
+fn strictest_options(a: &TrimOptions, b: &TrimOptions) -> TrimOptions {
+    let reach = a.reach.into_iter().chain(b.reach).reduce(f64::min);
+    let (last_level, samples) = (a.last_level.max(b.last_level), a.samples.max(b.samples));
+    TrimOptions { last_level, samples, reach, ..a.clone() }
+}
+
+/// How the cage that trims leave is fitted: over `omega`, and nowhere else.
+pub fn fit_options(
+    options: &TrimOptions,
+    tolerance: Option<&Tolerance>,
+    budgets: &Budgets,
+    omega: Vec<FaceCode>,
+) -> FitOptions {
+    FitOptions {
+        rule: options.rule,
+        tolerance: tolerance.map(|t| t.fit),
+        last_level: options.last_level,
+        region: Region::Faces(omega),
+        storage: options.storage,
+        most_details: usize::try_from(budgets.details).unwrap_or(usize::MAX),
+    }
+}
