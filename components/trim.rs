@@ -162,6 +162,8 @@ pub enum TrimQuantum {
     More,
     /// The stage is done; this one is next.
     Next(TrimStage),
+    /// The trim changes more of its source than was thought, and may touch others.
+    Widen,
     /// The trim is made.
     Finished,
 }

@@ -8,9 +8,11 @@ use bevy_ecs::prelude::*;
 use glam::{DVec2, DVec3};
 use selvedge::curve::{Circle, Curve, FnCurve, Heading, SpaceCurve};
 use selvedge::diagnostics::SubdivisionDiagnostics;
+use selvedge::evaluate::{Evaluate, SurfacePoint};
 use selvedge::io::{Cage, Limits, obj};
 use selvedge::job::Cancelled;
-use selvedge::mesh::Connectivity;
+use selvedge::mesh::{Connectivity, FaceId};
+use selvedge::subdivision::remesh::RemeshError;
 use selvedge::subdivision::{ControlPoints, DetailOf, LoopSurface, Position, Snapshot};
 use selvedge::tolerance::Tolerance;
 use selvedge::trim::{
@@ -30,6 +32,25 @@ fn plate() -> LoopSurface {
     let mesh = Arc::new(Connectivity::new(cage.positions.len(), &cage.triangles).expect("sound"));
     let corners: Vec<_> = mesh.border_loops()[0].iter().copied().filter(|&v| mesh.valence(v) < 4).collect();
     LoopSurface::plain(mesh, cage.positions, &corners)
+}
+
+/// A wavy plate of `n` by `n` squares of 5 cm.
+fn wide_plate(n: u32) -> LoopSurface {
+    let at = |i: u32| (f64::from(i) - 0.5 * f64::from(n)) * 0.05;
+    let points = (0..=n).flat_map(|i| (0..=n).map(move |j| (at(i), at(j))));
+    let points: Vec<DVec3> =
+        points.map(|(x, y)| DVec3::new(x, y, 0.006 * (11.0 * x).sin() * (9.0 * y).cos())).collect();
+    let name = |i: u32, j: u32| i * (n + 1) + j;
+    let squares = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+    let faces: Vec<[u32; 3]> = squares
+        .flat_map(|(i, j)| {
+            let [a, b, c, d] = [name(i, j), name(i + 1, j), name(i + 1, j + 1), name(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    let mesh = Arc::new(Connectivity::new(points.len(), &faces).expect("sound"));
+    let corners: Vec<_> = mesh.border_loops()[0].iter().copied().filter(|&v| mesh.valence(v) < 4).collect();
+    LoopSurface::plain(mesh, points, &corners)
 }
 
 /// The circle about `centre` on `surface`, seen from above.
@@ -54,8 +75,11 @@ struct Plate {
 
 impl Plate {
     fn new() -> Self {
+        Self::of(plate())
+    }
+
+    fn of(surface: LoopSurface) -> Self {
         let (mut world, schedule) = host();
-        let surface = plate();
         let source = spawn_surface(&mut world, &surface);
         Self { world, schedule, source, surface }
     }
@@ -270,4 +294,99 @@ fn what_cannot_be_trimmed_says_why() {
     despawn_surface(&mut plate.world, plate.source);
     plate.run();
     assert!(matches!(plate.failure(bad), TrimFault::NoSource { .. }));
+}
+
+/// What is looked at of a wide plate is a part of it; what that leaves is what all of it would.
+#[test]
+fn a_bore_far_from_everything_is_made_on_a_part_of_its_source() {
+    let mut plate = Plate::of(wide_plate(30));
+    let bore = plate.bore(DVec2::new(0.013, -0.007), 0.06);
+    plate.settle();
+    let report = plate.report(bore).clone();
+    assert!(report.cage.faces < plate.surface.mesh.face_count() / 2, "{:?}", report.cage);
+    let result = plate.result().expect("a result").clone();
+    assert_eq!(result.mesh.euler(), 0);
+    assert_eq!(result.sides.len(), 5);
+    assert!(selvedge_systems::check::surface_faults(&result, &Default::default()).is_empty());
+    // Again, with a reach so large that it means nothing but that all of the source is looked at.
+    plate.world.get_mut::<TrimOptions>(bore).expect("a trim").reach = Some(10.0);
+    plate.run();
+    plate.settle();
+    let whole = plate.result().expect("a result");
+    assert_eq!(result.mesh.faces().len(), whole.mesh.faces().len());
+    assert_eq!(result.details.count(), whole.details.count());
+    let limit = LimitSurface::new(Arc::new(result)).expect("sound");
+    let whole = LimitSurface::new(Arc::new(whole.clone())).expect("sound");
+    let whole = SurfaceIndex::new(Arc::new(whole)).expect("finite");
+    for f in 0..limit.face_count() {
+        for st in [DVec2::new(0.0, 0.0), DVec2::new(0.3, 0.4), DVec2::new(0.8, 0.1)] {
+            let x = limit.position(SurfacePoint { face: FaceId::new(f), st });
+            let off = whole.closest(x).expect("finite").distance;
+            assert!(off < 1e-12, "face {f}: {off:e} off at {x}");
+        }
+    }
+}
+
+#[test]
+fn bores_that_do_not_touch_are_made_side_by_side_and_stay_when_another_moves() {
+    let mut plate = Plate::of(wide_plate(40));
+    let places = [DVec2::new(-0.6, -0.6), DVec2::new(0.6, 0.55), DVec2::new(-0.55, 0.6)];
+    let bores = places.map(|at| plate.bore(at, 0.06));
+    plate.settle();
+    for bore in bores {
+        assert_eq!(plate.report(bore).together, [bore]);
+    }
+    let count: usize = bores.map(|bore| plate.report(bore).details).iter().sum();
+    assert_eq!((plate.details(), plate.result().expect("a result").details.count()), (count, count));
+    assert_eq!(plate.result().expect("a result").mesh.euler(), 1 - 3);
+    let reports = bores.map(|bore| plate.report(bore).clone());
+    let remeshed = plate.world.resource::<SubdivisionDiagnostics>().remesh.items;
+    let moved = circle(&plate.surface, DVec2::new(0.6, 0.5), 0.05);
+    let curve = plate.world.get::<Trim>(bores[1]).expect("a trim").cuts[0].curve;
+    *plate.world.get_mut::<SpaceCurve>(curve).expect("a curve") = SpaceCurve { curve: moved };
+    plate.run();
+    plate.settle();
+    assert_eq!(plate.report(bores[0]), &reports[0]);
+    assert_ne!(plate.report(bores[1]), &reports[1]);
+    assert_eq!(plate.report(bores[2]), &reports[2]);
+    let again = plate.world.resource::<SubdivisionDiagnostics>().remesh.items - remeshed;
+    assert_eq!(again, 2, "two quanta for the one that moved, none for the others");
+}
+
+/// A hole in a hole takes nothing away; a curve through the middle of everything takes half.
+#[test]
+fn what_lies_beyond_a_curve_far_away_goes_with_it() {
+    let mut plate = Plate::of(wide_plate(44));
+    let wide = plate.bore(DVec2::ZERO, 0.75);
+    let within = plate.bore(DVec2::new(0.02, -0.03), 0.06);
+    let beside = plate.bore(DVec2::new(0.93, 0.93), 0.06);
+    plate.settle();
+    for bore in [wide, within, beside] {
+        plate.report(bore);
+    }
+    let result = plate.result().expect("a result");
+    assert_eq!(result.mesh.euler(), -1);
+    assert_eq!(result.mesh.border_loops().len(), 3);
+    assert!(result.points.iter().zip(0..result.mesh.vertex_count()).all(|(p, _)| p.truncate().length() > 0.6));
+}
+
+#[test]
+fn a_meridian_of_a_torus_does_not_separate_it() {
+    let mut plate = Plate::of(support::world::torus(40, 20));
+    let limit = LimitSurface::new(Arc::new(plate.surface.clone())).expect("sound");
+    let index = Arc::new(SurfaceIndex::new(Arc::new(limit)).expect("finite"));
+    let around = Circle::new(DVec3::X, DVec3::Y, 0.6).expect("a circle");
+    let axis = Circle::new(DVec3::X, DVec3::Y, 1e-3).expect("a circle");
+    // From the axis of the tube outward, whatever its exact shape.
+    let meridian = move |u: f64| {
+        let (from, to) = (axis.position(u), around.position(u));
+        index.first_hit(from, to - from, [0.0, 1.0]).map_or(DVec3::NAN, |hit| hit.position)
+    };
+    let curve = spawn_curve(&mut plate.world, Arc::new(FnCurve::new(meridian).closed()));
+    let trim = plate.cut(curve, Heading::Along);
+    plate.settle();
+    let why = plate.failure(trim);
+    assert!(matches!(why, TrimFault::Remesh(RemeshError::DoesNotSeparate { .. })), "{why}");
+    assert!(plate.result().is_none());
+    assert_eq!(plate.details(), 0);
 }

@@ -12,12 +12,15 @@ use std::sync::Arc;
 use bevy_ecs::prelude::Component;
 use glam::DVec3;
 use selvedge_components::curve::Curve;
+use selvedge_components::subdivision::FaceCode;
 use selvedge_components::subdivision::remesh::RemeshError;
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::trim::{TrimFault, TrimOptions, TrimQuantum, TrimStage};
 
 use super::ground::{Ground, diagonal};
+use super::zone::reserve;
 use crate::closest::Search;
+use crate::subdivision::region;
 use crate::subdivision::remesh::{Cut, PreImage, TraceOptions, trace_parts};
 
 /// Where no tolerance says how far a curve may lie off the surface: this part of the source's size.
@@ -46,7 +49,15 @@ pub struct LocateWork {
     ground: Arc<Ground>,
     found: Arc<Located>,
     next: usize,
+    rings: u32,
+    reserved: Vec<FaceCode>,
 }
+
+/// Rings around the faces that a curve runs through that it is first thought to change: faces as near
+/// as 1.2 of their size become finer, which are in two of them; the next closes them off, so its
+/// vertices change; the limit surface changes over one more, and what is fitted over that one and
+/// another. What needs more says so, and is done again.
+const RINGS: u32 = 5;
 
 impl LocateWork {
     /// Begins to locate `cuts` on `ground`.
@@ -72,7 +83,13 @@ impl LocateWork {
         if cuts.is_empty() {
             return Err(RemeshError::NoCurves.into());
         }
-        Ok(Self { ground, found: Arc::new(Located { cuts, parts: Vec::new(), options, tolerance }), next: 0 })
+        Ok(Self {
+            ground,
+            found: Arc::new(Located { cuts, parts: Vec::new(), options, tolerance }),
+            next: 0,
+            rings: RINGS,
+            reserved: Vec::new(),
+        })
     }
 
     /// The source that the curves run on.
@@ -96,8 +113,31 @@ impl LocateWork {
             Arc::make_mut(&mut self.found).parts.extend(parts.into_iter().map(|part| (index, part)));
             self.next += 1;
         }
-        let more = self.next < self.found.cuts.len();
-        Ok(if more { TrimQuantum::More } else { TrimQuantum::Next(TrimStage::Remesh) })
+        if self.next < self.found.cuts.len() {
+            return Ok(TrimQuantum::More);
+        }
+        self.reserve();
+        Ok(TrimQuantum::Next(TrimStage::Remesh))
+    }
+
+    /// The root faces that the trim may change, ascending, once it is located.
+    pub fn reserved(&self) -> &[FaceCode] {
+        &self.reserved
+    }
+
+    /// The trim changes more than is reserved: reserves one ring more.
+    pub fn widen(&mut self) {
+        self.rings += 1;
+        self.reserve();
+    }
+
+    fn reserve(&mut self) {
+        let (surface, images) = (&self.ground.surface, self.found.parts.iter().map(|(_, image)| image));
+        // A small reach refines the whole cage.
+        self.reserved = match self.found.options.reach {
+            Some(_) => region::whole(&surface.mesh, 0),
+            None => reserve(surface, images, self.rings),
+        };
     }
 
     /// Locates all curves.

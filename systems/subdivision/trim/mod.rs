@@ -20,17 +20,20 @@ mod compose;
 mod ground;
 mod group;
 mod locate;
+mod rename;
 mod system;
 mod work;
+mod zone;
 
 pub use admit::{Candidate, Source, Verdict, anything_changed, verdict};
 pub use audit::TrimAuditWork;
-pub use compose::{ComposedOf, Solved, compose};
+pub use compose::{ComposedOf, Misfit, Solved, ZoneOf, compose};
 pub use ground::Ground;
 pub use group::{Group, groups};
 pub use locate::{LocateWork, Located};
 pub use system::{Known, admit_trims, advance_trims, audit_trims, compose_results, locate_trims, remesh_trims};
 pub use work::{Blamed, TrimWork, fit_options};
+pub use zone::{Zone, ZoneSide, reserve};
 
 #[cfg(test)]
 mod tests;

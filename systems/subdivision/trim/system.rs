@@ -13,7 +13,8 @@ use selvedge_components::guard::caught;
 use selvedge_components::identity::{Serial, Serials};
 use selvedge_components::job::{AtCorrespond, AtModify, AtRefine, Cancelled, FitInputs, FitJob, JobState};
 use selvedge_components::subdivision::fit::FitOptions;
-use selvedge_components::subdivision::{Border, Cage, DetailOf, Snapshot};
+use selvedge_components::subdivision::remesh::RemeshError;
+use selvedge_components::subdivision::{Border, Cage, DetailOf, LoopSurface, Snapshot};
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::trim::{
     AtAudit, AtLocate, AtRemesh, ResultOf, Stale, Trim, TrimFailed, TrimFault, TrimInputs, TrimJob, TrimOptions,
@@ -21,13 +22,14 @@ use selvedge_components::trim::{
 };
 
 use super::admit::{Candidate, Source, Verdict, anything_changed, verdict};
-use super::compose::{ComposedOf, Solved, compose};
+use super::compose::{ComposedOf, Misfit, Solved, compose};
 use super::group::groups;
 use super::{Blamed, Ground, LocateWork, TrimWork};
 use crate::diagnostics::{Counters, SubdivisionDiagnostics};
 use crate::parallel::for_each;
 use crate::subdivision::fit::FitWork;
 use crate::subdivision::job::{Coefficient, Move, deliver, discard, mark, next_move};
+use crate::subdivision::region;
 use crate::subdivision::remesh::Cut;
 
 type Job = (
@@ -248,8 +250,8 @@ fn begin_groups(
         .iter()
         .filter_map(|trim| Some((trim.0, trim.5?, trim.6?)).filter(|t| t.1.state != TrimState::Failed))
         .collect();
-    let entities: Vec<Entity> = standing.iter().map(|trim| trim.0).collect();
-    for group in groups(&entities) {
+    let reserved: Vec<_> = standing.iter().map(|(trim, _, located)| (*trim, located.reserved())).collect();
+    for group in groups(&reserved) {
         let members: Vec<_> = standing.iter().filter(|trim| group.contains(&trim.0)).collect();
         let as_before = members.iter().all(|(_, job, _)| job.together == group && job.state != TrimState::Located);
         if as_before {
@@ -260,7 +262,8 @@ fn begin_groups(
         commands.entity(trims[0].2.source).queue_silenced(mark_stale);
         let (lead, _, first) = members[0];
         let located = members.iter().map(|(.., located)| Arc::clone(located.found())).collect();
-        let work = TrimWork::new(Arc::clone(first.ground()), located);
+        let reserved = members.iter().flat_map(|(.., located)| located.reserved()).copied().collect();
+        let work = TrimWork::new(Arc::clone(first.ground()), located, region::ascending(reserved));
         for &&(trim, job, _) in &members {
             let led = trim != *lead;
             let state = if led { TrimState::With(*lead) } else { TrimState::Running(TrimStage::Remesh) };
@@ -401,7 +404,18 @@ type Made = (
     Option<&'static mut TrimWork>,
     Option<&'static mut FitJob>,
     Option<&'static FitWork>,
+    Option<&'static mut LocateWork>,
 );
+
+/// How the work of trims made together has ended.
+enum End {
+    /// They are done.
+    Finished(Option<Box<TrimReport>>),
+    /// They change more than was thought.
+    Widen,
+    /// This one has failed.
+    Failed(Entity, TrimFailed),
+}
 
 /// Writes the transitions of all trims that took a step, and keeps what those that are done have
 /// left.
@@ -414,7 +428,7 @@ pub fn advance_trims(
 ) {
     let mut run = Counters::start();
     let mut ends = Vec::new();
-    for (entity, mut job, work, fit_job, fit) in &mut trims {
+    for (entity, mut job, work, fit_job, fit, _) in &mut trims {
         let step = next_step(&mut job, fit_job);
         let Some(step) = step else {
             run.counted.skipped += 1;
@@ -437,11 +451,12 @@ pub fn advance_trims(
                 job.state = TrimState::Running(TrimStage::Audit);
                 commands.entity(entity).try_remove::<(AtCorrespond, AtModify, AtRefine)>().try_insert(AtAudit);
             }
+            Step::Widen => ends.push((job.together.clone(), End::Widen)),
             Step::Finish => {
                 let Some((work, fit)) = work.zip(fit) else { continue };
                 deliver(&mut commands, &mut details, entity, entity, fit);
                 let solved = solved(&job, &work, serials.0.next_number());
-                ends.push((job.together.clone(), Ok(work.report(fit))));
+                ends.push((job.together.clone(), End::Finished(work.report(fit).map(Box::new))));
                 commands.entity(entity).try_remove::<WorkTraces>();
                 if let Some(solved) = solved {
                     commands.entity(entity).try_insert(solved);
@@ -452,17 +467,26 @@ pub fn advance_trims(
                 let together = if job.together.is_empty() { vec![entity] } else { job.together.clone() };
                 let blamed = job.blamed.take().filter(|trim| together.contains(trim));
                 let blamed = blamed.or(together.last().copied()).unwrap_or(entity);
-                ends.push((together, Err((blamed, TrimFailed { why, ladder }))));
+                ends.push((together, End::Failed(blamed, TrimFailed { why, ladder })));
             }
         }
     }
     let mut failed = EntityHashSet::default();
     for (together, end) in ends {
         match end {
-            Ok(report) => finish(&mut commands, &mut trims, &together, report),
-            Err((blamed, why)) => {
+            End::Finished(report) => finish(&mut commands, &mut trims, &together, report.as_deref()),
+            End::Widen => {
+                for &trim in &together {
+                    if let Ok((.., Some(mut located))) = trims.get_mut(trim) {
+                        located.widen();
+                    }
+                }
+                break_off(&mut commands, &mut trims, &together, None);
+            }
+            End::Failed(blamed, why) => {
                 failed.extend(together.iter().copied());
-                break_off(&mut commands, &mut trims, &together, blamed, why);
+                break_off(&mut commands, &mut trims, &together, Some(blamed));
+                commands.entity(blamed).try_remove::<FailedTraces>().try_insert(why);
             }
         }
     }
@@ -480,6 +504,7 @@ enum Step {
     BeginFit,
     Fit(selvedge_components::subdivision::fit::Stage),
     Audit,
+    Widen,
     Finish,
     Fail(TrimFault),
 }
@@ -494,6 +519,7 @@ fn next_step(job: &mut TrimJob, fit: Option<Mut<'_, FitJob>>) -> Option<Step> {
                 Err(over) => Step::Fail(over.into()),
             },
             Ok(TrimQuantum::Finished) => Step::Finish,
+            Ok(TrimQuantum::Widen) => Step::Widen,
             Ok(TrimQuantum::Next(TrimStage::Fit)) => Step::BeginFit,
             Ok(TrimQuantum::Next(TrimStage::Audit)) => Step::Audit,
             Ok(TrimQuantum::Next(TrimStage::Locate | TrimStage::Remesh)) => Step::Located,
@@ -545,7 +571,8 @@ fn begin_fit(trim: &mut EntityCommands, job: &mut TrimJob, fit: Option<FitWork>)
 
 fn solved(job: &TrimJob, work: &TrimWork, number: u64) -> Option<Solved> {
     let (remeshed, surface) = (Arc::clone(work.remeshed()?), Arc::clone(work.result()?));
-    Some(Solved { together: job.together.clone(), number, remeshed, surface })
+    let zone = work.zone().map(Arc::clone);
+    Some(Solved { together: job.together.clone(), number, zone, remeshed, surface })
 }
 
 /// All trims made together are done.
@@ -553,70 +580,71 @@ fn finish(
     commands: &mut Commands,
     trims: &mut Query<Made, With<Trim>>,
     together: &[Entity],
-    report: Option<TrimReport>,
+    report: Option<&TrimReport>,
 ) {
     for &trim in together {
         if let Ok((_, mut job, ..)) = trims.get_mut(trim) {
             job.state = TrimState::Finished;
         }
-        if let Some(report) = &report {
+        if let Some(report) = report {
             let report = TrimReport { together: together.to_vec(), ..report.clone() };
             commands.entity(trim).try_insert(report);
         }
     }
 }
 
-/// One of the trims made together has failed; the others are made again without it.
+/// What a trim that has failed does not keep.
+type FailedTraces = (LocateWork, AtLocate, TrimReport);
+
+/// Trims made together are to be made again, but for the one that has failed.
 fn break_off(
     commands: &mut Commands,
     trims: &mut Query<Made, With<Trim>>,
     together: &[Entity],
-    blamed: Entity,
-    why: TrimFailed,
+    failed: Option<Entity>,
 ) {
     for &trim in together {
         commands.entity(trim).try_remove::<WorkTraces>();
         let Ok((_, mut job, ..)) = trims.get_mut(trim) else { continue };
         job.together.clear();
-        job.state = if trim == blamed { TrimState::Failed } else { TrimState::Located };
+        job.state = if Some(trim) == failed { TrimState::Failed } else { TrimState::Located };
     }
-    commands.entity(blamed).try_remove::<(LocateWork, AtLocate, TrimReport)>().try_insert(why);
 }
 
 /// Puts together what is left of each source, once none of its trims is at work any more.
 pub fn compose_results(
     mut commands: Commands,
-    trims: Query<(&Trim, &TrimJob, Option<&Solved>)>,
-    sources: Query<(Entity, Option<&TrimmedTo>), With<Ground>>,
+    mut trims: Query<(Entity, &Trim, &mut TrimJob, Option<&Solved>)>,
+    sources: Query<(Entity, &Ground, Option<&TrimmedTo>)>,
     results: Query<(&ComposedOf, Has<Stale>), With<ResultOf>>,
+    details: Query<(Entity, &DetailOf)>,
     mut serials: If<ResMut<Serials>>,
     diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
 ) {
     let mut run = Counters::start();
-    for (source, result) in &sources {
-        let of_source = || trims.iter().filter(|(trim, ..)| trim.source == source);
-        if of_source().any(|(_, job, _)| job.is_running()) {
-            run.counted.skipped += 1;
-            continue;
-        }
+    let mut misfits = Vec::new();
+    for (source, ground, result) in &sources {
+        let of_source = || trims.iter().filter(|(_, trim, ..)| trim.source == source);
         let mut pieces: Vec<&Solved> = of_source().filter_map(|(.., solved)| solved).collect();
         pieces.sort_unstable_by_key(|piece| piece.number);
         let made_of = ComposedOf(pieces.iter().map(|piece| piece.number).collect());
-        let before = result.and_then(|result| results.get(result.0).ok());
-        if before == Some((&made_of, false)) {
+        let as_before = result.and_then(|result| results.get(result.0).ok()) == Some((&made_of, false));
+        if as_before || of_source().any(|(_, _, job, _)| job.is_running()) {
             run.counted.skipped += 1;
             continue;
         }
-        let Some(surface) = compose(&pieces) else { continue };
         run.counted.items += 1;
+        let surface = match compose(&ground.surface, &pieces) {
+            Ok(Some(surface)) => surface,
+            Ok(None) => continue,
+            Err(Misfit { piece, why }) => {
+                misfits.push((pieces[piece].together.clone(), why));
+                continue;
+            }
+        };
         run.counted.written += 1;
         let revision = serials.0.next_number();
-        let curves = surface.sides.iter().map(|side| match &side.border {
-            Border::Plain => None,
-            Border::Given { curve, .. } => caught(|| curve.curve().revision()).ok(),
-        });
-        let curves = curves.collect();
-        let left = (Snapshot { surface, revision, structure: revision, curves }, ResultOf(source), made_of);
+        let left = (snapshot(surface, revision), ResultOf(source), made_of);
         match result.filter(|result| results.contains(result.0)) {
             Some(&TrimmedTo(result)) => {
                 commands.entity(result).try_insert(left).try_remove::<Stale>();
@@ -627,7 +655,42 @@ pub fn compose_results(
             }
         }
     }
+    let freed = misfits.iter().flat_map(|(together, _)| together).copied().collect();
+    for (together, why) in misfits {
+        run.counted.written += 1;
+        misfit(&mut commands, &mut trims, &together, why);
+    }
+    discard(&mut commands, &freed, details.iter().map(|(detail, of)| (detail, of.0)));
     if let Some(mut diagnostics) = diagnostics {
         diagnostics.compose += run.finish();
     }
+}
+
+/// What trims made together have left does not fit the rest: the newest fails, and the others are
+/// made again.
+fn misfit(
+    commands: &mut Commands,
+    trims: &mut Query<(Entity, &Trim, &mut TrimJob, Option<&Solved>)>,
+    together: &[Entity],
+    why: RemeshError,
+) {
+    for &trim in together {
+        commands.entity(trim).try_remove::<WorkTraces>();
+        let Ok((_, _, mut job, _)) = trims.get_mut(trim) else { continue };
+        job.together.clear();
+        job.state = if Some(&trim) == together.last() { TrimState::Failed } else { TrimState::Located };
+    }
+    if let Some(&newest) = together.last() {
+        let failed = TrimFailed { why: why.into(), ladder: Vec::new() };
+        commands.entity(newest).try_remove::<FailedTraces>().try_insert(failed);
+    }
+}
+
+fn snapshot(surface: Arc<LoopSurface>, revision: u64) -> Snapshot {
+    let curves = surface.sides.iter().map(|side| match &side.border {
+        Border::Plain => None,
+        Border::Given { curve, .. } => caught(|| curve.curve().revision()).ok(),
+    });
+    let curves = curves.collect();
+    Snapshot { surface, revision, structure: revision, curves }
 }

@@ -28,7 +28,7 @@ fn the_error_asked_for_is_the_error_delivered() {
         let tolerance = Tolerance { fit: eps, chord: eps, curve: eps };
         let located = LocateWork::new(Arc::clone(&ground), vec![cut.clone()], TrimOptions::default(), Some(tolerance));
         let located = located.expect("a trim").run().expect("a curve");
-        let mut work = TrimWork::new(Arc::clone(&ground), vec![located]);
+        let mut work = TrimWork::on_all(Arc::clone(&ground), vec![located]);
         let fit = work.run(&Budgets::default()).expect("a bore");
         let report = work.report(&fit).expect("a report");
         assert!(report.ladder.len() <= levels, "{eps}: {} levels", report.ladder.len());

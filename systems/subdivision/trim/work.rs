@@ -15,12 +15,15 @@ use selvedge_components::trim::{TrimFault, TrimOptions, TrimQuantum, TrimReport,
 use thiserror::Error;
 
 use super::audit::TrimAuditWork;
+use super::compose::ZoneOf;
 use super::ground::Ground;
 use super::locate::Located;
+use super::zone::Zone;
 use crate::closest::Search;
 use crate::subdivision::fit::FitWork;
+use crate::subdivision::region;
 use crate::subdivision::relax::shape;
-use crate::subdivision::remesh::{self, Cut, PreImage, RemeshOptions, Remeshed};
+use crate::subdivision::remesh::{self, Cut, FaceOrigin, PreImage, RemeshOptions, Remeshed};
 
 /// Trims in progress that are made together: all their dense state, but for that of their fit.
 ///
@@ -28,8 +31,14 @@ use crate::subdivision::remesh::{self, Cut, PreImage, RemeshOptions, Remeshed};
 /// costs time and nothing else.
 #[derive(Component, Debug)]
 pub struct TrimWork {
+    /// The source, or the zone of it that is worked on.
     ground: Arc<Ground>,
     members: Vec<Arc<Located>>,
+    /// The faces that the trims may change, ascending.
+    reserved: Vec<FaceCode>,
+    /// The part of the source that is worked on; `None` before that is known, and where it is all.
+    zone: Option<Arc<ZoneOf>>,
+    prepared: bool,
     options: TrimOptions,
     tolerance: Option<Tolerance>,
     remeshed: Option<Arc<Remeshed>>,
@@ -39,15 +48,60 @@ pub struct TrimWork {
 }
 
 impl TrimWork {
-    /// Begins to trim `ground` by the curves of all `members`.
+    /// Begins to trim `ground` by the curves of all `members`, which may change the `reserved` faces.
     ///
     /// Options and tolerances of trims that are made together are the strictest of each. The members
     /// are in the order of the trims.
-    pub fn new(ground: Arc<Ground>, members: Vec<Arc<Located>>) -> Self {
+    pub fn new(ground: Arc<Ground>, members: Vec<Arc<Located>>, reserved: Vec<FaceCode>) -> Self {
         let options = members.iter().map(|m| m.options.clone()).reduce(|a, b| strictest_options(&a, &b));
         let tolerance = members.iter().filter_map(|m| m.tolerance).reduce(strictest_tolerance);
         let options = options.unwrap_or_default();
-        Self { ground, members, options, tolerance, remeshed: None, fit: None, audit: None }
+        let (zone, prepared, remeshed, fit, audit) = (None, false, None, None, None);
+        Self { ground, members, options, tolerance, reserved, zone, prepared, remeshed, fit, audit }
+    }
+
+    /// As [`Self::new`], with all of the source to be changed.
+    pub fn on_all(ground: Arc<Ground>, members: Vec<Arc<Located>>) -> Self {
+        let all = region::whole(&ground.surface.mesh, 0);
+        Self::new(ground, members, all)
+    }
+
+    /// The part of the source that is worked on; `None` where that is all of it.
+    pub const fn zone(&self) -> Option<&Arc<ZoneOf>> {
+        self.zone.as_ref()
+    }
+
+    /// Goes on with the part of the source that the trims can touch, as if it were all.
+    fn prepare(&mut self) -> Result<(), TrimFault> {
+        self.prepared = true;
+        let source = Arc::clone(&self.ground.surface);
+        let zone = Zone::around(&source.mesh, &self.reserved);
+        let Some((zone, (surface, sides))) =
+            zone.and_then(|zone| Some((zone.extract(&source)?, zone)).map(|(s, z)| (z, s)))
+        else {
+            return Ok(());
+        };
+        let narrow = |located: &Arc<Located>| {
+            let parts = located.parts.iter().map(|(cut, image)| Some((*cut, zone.narrow(image)?)));
+            Some(Arc::new(Located { parts: parts.collect::<Option<_>>()?, ..Located::clone(located) }))
+        };
+        let Some(members) = self.members.iter().map(narrow).collect() else { return Ok(()) };
+        self.ground = Arc::new(Ground::new(Arc::new(surface), self.ground.revision)?);
+        self.members = members;
+        self.zone = Some(Arc::new(ZoneOf { zone, sides }));
+        Ok(())
+    }
+
+    /// Has the remeshing kept to the faces that are reserved? In a zone nothing else may change.
+    fn keeps_to_its_zone(&self, remeshed: &Remeshed) -> bool {
+        let Some(zone) = &self.zone else { return true };
+        remeshed.omega().iter().all(|face| match remeshed.face_origin[face.root_face(0).index()] {
+            FaceOrigin::Leaf { level, code } | FaceOrigin::Closure { level, code } => {
+                let root = zone.zone.faces[code.root_face(level).index()];
+                self.reserved.binary_search(&FaceCode::root(root)).is_ok()
+            }
+            FaceOrigin::Strip { .. } => true,
+        })
     }
 
     /// The source, ready to be searched.
@@ -72,13 +126,22 @@ impl TrimWork {
     }
 
     /// Works the curves into the cage and begins the fit of it, which [`Self::take_fit`] hands on.
+    /// Before that, in a quantum of its own, the part of the source is taken that this can touch; if
+    /// it turns out too small, [`TrimQuantum::Widen`] says so.
     ///
     /// # Errors
     /// As [`remesh::remesh`] and [`FitWork::new`].
     pub fn remesh(&mut self, budgets: &Budgets) -> Result<TrimQuantum, Blamed> {
+        if !self.prepared {
+            self.prepare().map_err(|why| self.newest(why))?;
+            return Ok(TrimQuantum::More);
+        }
         let options = RemeshOptions { reach: self.options.reach, ..RemeshOptions::default() };
         let (cuts, images): (Vec<Cut>, Vec<PreImage>) = self.parts().map(|(c, p)| (c.clone(), p.clone())).unzip();
         let remeshed = remesh::remesh(&self.ground.surface, &cuts, &images, &options).map_err(|why| self.blame(why))?;
+        if !self.keeps_to_its_zone(&remeshed) {
+            return Ok(TrimQuantum::Widen);
+        }
         let target: Arc<dyn Target> = Arc::new(self.ground.target(Search::AroundHint));
         let guarded = Arc::new(Guarded::new(target, *budgets));
         let options = fit_options(&self.options, self.tolerance.as_ref(), budgets, remeshed.omega());
@@ -195,7 +258,7 @@ impl TrimWork {
     /// # Errors
     /// As the stages do, [`TrimFault::NotReached`] when the fit ends above its tolerance.
     pub fn run(&mut self, budgets: &Budgets) -> Result<FitWork, Blamed> {
-        self.remesh(budgets)?;
+        while self.remesh(budgets)? == TrimQuantum::More {}
         // Remeshing has just begun a fit.
         let Some(mut fit) = self.take_fit() else { return Err(self.newest(RemeshError::NoCurves.into())) };
         match fit.run().map_err(|why| self.newest(why.into()))? {
