@@ -232,8 +232,9 @@ fn cut_once(
     for (cut, rim) in remains.loops.iter().enumerate() {
         let strip = attach::attach(track, cut as u32, rim, |v| (limit[v as usize], cage.normal(v)));
         strips.push(strip.map_err(|near| {
-            let at = rim.vertices.iter().find(|&&v| remains.near[v as usize].is_some());
-            let place = cage.place(at.copied().unwrap_or(0), near);
+            let away = |v: &&u32| limit[**v as usize].distance_squared(track.position(near));
+            let nearest = rim.vertices.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+            let place = cage.place(nearest.copied().unwrap_or(0), near);
             Trouble::TooCoarse { what: "too coarse between two corners", places: vec![place] }
         })?);
     }
@@ -302,14 +303,12 @@ fn crossed(adapted: &Adapted, track: &Track, leaves: &Leaves) -> Vec<(u32, u32)>
 
 /// Relaxes one strip.
 fn settle(strip: &mut attach::Strip, contour: &Contour, limit: &[DVec3], options: &RemeshOptions) -> Relaxed {
-    let mut sliders: Vec<Slider> = strip
-        .knots
-        .iter()
-        .map(|knot| {
-            let smooth = knot.kind == attach::KnotKind::Smooth;
-            Slider { t: knot.t, base: smooth.then(|| strip.base(knot).map(|v| limit[v as usize])) }
-        })
-        .collect();
+    let widths = strip.widths(|v| limit[v as usize]);
+    let slider = |(knot, width): (&attach::Knot, f64)| {
+        let smooth = knot.kind == attach::KnotKind::Smooth;
+        Slider { t: knot.t, base: smooth.then(|| strip.base(knot).map(|v| limit[v as usize])), width }
+    };
+    let mut sliders: Vec<Slider> = strip.knots.iter().zip(widths).map(slider).collect();
     let (curve, heading) = (&*contour.curve, contour.heading);
     let worst = |sliders: &[Slider], strip: &attach::Strip| {
         let knots: Vec<DVec3> =

@@ -3,7 +3,7 @@
 use core::f64::consts::TAU;
 use std::sync::Arc;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use selvedge_components::curve::Heading;
 use selvedge_components::subdivision::LoopSurface;
 
@@ -60,7 +60,7 @@ impl Plate {
 }
 
 /// A stadium about `centre`: two half circles and the straight lines between them, clockwise.
-fn stadium(centre: DVec2, half: f64, radius: f64, turn: f64) -> impl Fn(f64) -> DVec2 + Send + Sync {
+pub fn stadium(centre: DVec2, half: f64, radius: f64, turn: f64) -> impl Fn(f64) -> DVec2 + Send + Sync {
     let (arc, line) = (core::f64::consts::PI * radius, 2.0 * half);
     move |u| {
         let total = 2.0 * (arc + line);
@@ -207,7 +207,7 @@ impl core::fmt::Debug for OnFlat {
 }
 
 impl Curve for OnFlat {
-    fn position(&self, u: f64) -> glam::DVec3 {
+    fn position(&self, u: f64) -> DVec3 {
         (self.plane)(u).extend(0.0)
     }
 

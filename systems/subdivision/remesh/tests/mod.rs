@@ -11,3 +11,4 @@ mod judge;
 mod refusals;
 mod shapes;
 pub(crate) mod support;
+mod sweep;
