@@ -17,6 +17,7 @@
 pub mod adapt;
 pub mod assemble;
 pub mod attach;
+mod borders;
 pub mod cleanup;
 pub mod closure;
 pub mod contour;
@@ -112,7 +113,7 @@ pub fn remesh(
 ) -> Result<Remeshed, RemeshError> {
     check(cuts, preimages)?;
     let corners = CornerTable::new(surface);
-    let plan = contour::arrange(&surface.mesh, cuts, preimages, &options.junctions)?;
+    let plan = contour::arrange(surface, cuts, preimages, &options.junctions)?;
     let mut options = *options;
     let deepest = options.adapt.finest;
     loop {

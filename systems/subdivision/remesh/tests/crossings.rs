@@ -192,7 +192,8 @@ fn a_slot_through_the_whole_plate_leaves_two_parts() {
     picture("split.svg", &result);
     judge_union(&plate, &cuts, &result);
     assert_eq!((result.surface.mesh.euler(), result.surface.mesh.border_loops().len()), (2, 2));
-    assert_eq!(result.junctions.len(), 2);
+    // Two where the curves cross, and four on the border.
+    assert_eq!(result.junctions.len(), 6);
 }
 
 /// A curve in the plane z = 0.
