@@ -150,14 +150,6 @@ pub enum RemeshError {
         /// How many it may have.
         limit: usize,
     },
-    /// What lies on the left of a curve is taken away by another.
-    #[error("nothing stays on the left of curve {curve}: the part at {at} lies on the right of another curve")]
-    NothingOnLeft {
-        /// The curve, by index.
-        curve: usize,
-        /// A point of the part on its left.
-        at: DVec3,
-    },
     /// Two curves cross, but do not meet: where they come nearest they are too far apart.
     #[error("curves {} and {} cross at {at}, u = {} and {}, but pass {gap} apart there: more than {limit}", .curves[0], .curves[1], .u[0], .u[1])]
     Gap {

@@ -179,8 +179,14 @@ impl TrimWork {
             | RemeshError::Open { curve, .. }
             | RemeshError::DoesNotSeparate { curve, .. }
             | RemeshError::TooFine { curve, .. }
-            | RemeshError::NothingOnLeft { curve, .. }
+            | RemeshError::Tangled { curve, .. }
+            | RemeshError::Cusp { curve, .. }
+            | RemeshError::BorderGap { curve, .. }
+            | RemeshError::AlongBorder { curve, .. }
             | RemeshError::Unresolved { curve, .. } => *curve = cut(*curve),
+            RemeshError::Gap { curves, .. }
+            | RemeshError::Tangential { curves, .. }
+            | RemeshError::Coincident { curves, .. } => *curves = curves.map(cut),
             _ => {}
         }
         why
