@@ -162,6 +162,8 @@ pub enum TrimQuantum {
     More,
     /// The stage is done; this one is next.
     Next(TrimStage),
+    /// The trim changes more of its source than was thought, and may touch others.
+    Widen,
     /// The trim is made.
     Finished,
 }
@@ -171,6 +173,8 @@ pub enum TrimQuantum {
 pub enum TrimState {
     /// It is at this stage; its marker says the same.
     Running(TrimStage),
+    /// Its curves are located, and it waits for the other trims of its source to be, too.
+    Located,
     /// It touches others, and is made together with them: this one carries the work.
     With(Entity),
     /// It is done, and its report is there.
@@ -179,6 +183,16 @@ pub enum TrimState {
     Failed,
 }
 
+impl TrimState {
+    /// Is the trim being worked on?
+    pub const fn is_running(self) -> bool {
+        !matches!(self, Self::Finished | Self::Failed)
+    }
+}
+
+/// A directed curve as a trim reads it: the curve, the revision that it had, and its heading.
+pub type CutInput = (Arc<dyn Curve>, u64, Heading);
+
 /// All that a trim reads, as it was when it began.
 #[derive(Clone, Debug)]
 pub struct TrimInputs {
@@ -186,9 +200,8 @@ pub struct TrimInputs {
     pub source: Entity,
     /// The revision of its snapshot; `None` while it has none.
     pub revision: Option<u64>,
-    /// The curves: each with the revision that it had and its heading. `None` where the entity named
-    /// has no curve.
-    pub cuts: Vec<Option<(Arc<dyn Curve>, u64, Heading)>>,
+    /// The curves; `None` where the entity named has no curve.
+    pub cuts: Vec<Option<CutInput>>,
     /// How the trim is made.
     pub options: TrimOptions,
     /// The trim's tolerance, if it has one.
@@ -200,8 +213,7 @@ pub struct TrimInputs {
 impl PartialEq for TrimInputs {
     /// Curves are the same when they are one and the same object, of one revision.
     fn eq(&self, other: &Self) -> bool {
-        let same = |a: &Option<(Arc<dyn Curve>, u64, Heading)>, b: &Option<(Arc<dyn Curve>, u64, Heading)>| match (a, b)
-        {
+        let same = |a: &Option<CutInput>, b: &Option<CutInput>| match (a, b) {
             (Some(a), Some(b)) => Arc::ptr_eq(&a.0, &b.0) && (a.1, a.2) == (b.1, b.2),
             (None, None) => true,
             _ => false,
@@ -224,6 +236,11 @@ pub struct TrimJob {
     /// What the stage that ran in this pass has to say. The system of a stage sets it, once a pass,
     /// on each trim that bears the stage's marker; the end of the pass takes it.
     pub step: Option<Result<TrimQuantum, TrimFault>>,
+    /// Which of the trims made together a failed [`Self::step`] is about, if that can be told.
+    pub blamed: Option<Entity>,
+    /// The trims that it is made together with, itself included, in their order; none before it is
+    /// known which they are. The first carries the work.
+    pub together: Vec<Entity>,
     /// How many work quanta it has taken, those of the fit included.
     pub quanta: u64,
 }
@@ -231,12 +248,17 @@ pub struct TrimJob {
 impl TrimJob {
     /// A trim that begins with these inputs.
     pub const fn new(state: TrimState, inputs: TrimInputs) -> Self {
-        Self { state, inputs, step: None, quanta: 0 }
+        Self { state, inputs, step: None, blamed: None, together: Vec::new(), quanta: 0 }
+    }
+
+    /// Does another trim, made together with this one, carry the work?
+    pub fn is_led_by(&self, trim: Entity) -> bool {
+        self.together.first().is_some_and(|&lead| lead != trim)
     }
 
     /// Is it being worked on?
     pub const fn is_running(&self) -> bool {
-        matches!(self.state, TrimState::Running(_) | TrimState::With(_))
+        self.state.is_running()
     }
 }
 

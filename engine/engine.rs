@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use glam::DVec3;
+use selvedge_components::curve::{Curve, Heading};
 use selvedge_components::error::{FitFailed, SurfaceFailed};
 use selvedge_components::job::{FitJob, JobState};
 use selvedge_components::mesh::Connectivity;
@@ -14,13 +15,19 @@ use selvedge_components::report::FitReport;
 use selvedge_components::subdivision::fit::FitOptions;
 use selvedge_components::subdivision::{LoopSurface, Snapshot};
 use selvedge_components::target::Target;
+use selvedge_components::tolerance::Tolerance;
+use selvedge_components::trim::{Trim, TrimFailed, TrimJob, TrimOptions, TrimReport, TrimStage, TrimState, TrimmedTo};
 use thiserror::Error;
 
-use crate::{cancel_fit, despawn_surface, install, spawn_cage, spawn_fit, spawn_surface, strict};
+use crate::{
+    cancel_fit, despawn_surface, install, spawn_cage, spawn_curve, spawn_fit, spawn_surface, spawn_trim, strict,
+};
 
 /// The schedule that an [`Engine`] runs once a pass.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SelvedgePass;
+
+type JobOrTrim = Or<(With<FitJob>, With<TrimJob>)>;
 
 /// A world and a schedule of their own, filled by [`install`] like any host's. Headless.
 ///
@@ -30,7 +37,7 @@ pub struct SelvedgePass;
 pub struct Engine {
     world: World,
     schedule: Schedule,
-    jobs: QueryState<(Entity, &'static FitJob)>,
+    jobs: QueryState<(Entity, Option<&'static FitJob>, Option<&'static TrimJob>), JobOrTrim>,
 }
 
 impl fmt::Debug for Engine {
@@ -57,6 +64,26 @@ pub enum Progress {
     Finished(FitReport),
     /// It failed; the surface is as it was.
     Failed(FitFailed),
+}
+
+/// How far a trim is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TrimProgress {
+    /// It has not begun, or waits for other trims of its source.
+    Waiting,
+    /// It is being worked on.
+    Running {
+        /// Its stage.
+        stage: TrimStage,
+        /// Work quanta that it has taken.
+        quanta: u64,
+    },
+    /// It is made together with another trim, which carries the work.
+    With(Entity),
+    /// It is done.
+    Finished(Box<TrimReport>),
+    /// It failed; the source is as it was.
+    Failed(TrimFailed),
 }
 
 /// What a pass left behind.
@@ -90,7 +117,7 @@ impl Engine {
         schedule.set_executor(SingleThreadedExecutor::new());
         schedule.set_build_settings(strict());
         install(&mut world, &mut schedule);
-        let jobs = world.query();
+        let jobs = world.query_filtered();
         Self { world, schedule, jobs }
     }
 
@@ -123,6 +150,41 @@ impl Engine {
     /// See [`spawn_fit`].
     pub fn spawn_fit(&mut self, surface: Entity, target: Arc<dyn Target>, options: FitOptions) -> Entity {
         spawn_fit(&mut self.world, surface, target, options)
+    }
+
+    /// See [`spawn_curve`].
+    pub fn spawn_curve(&mut self, curve: Arc<dyn Curve>) -> Entity {
+        spawn_curve(&mut self.world, curve)
+    }
+
+    /// See [`spawn_trim`].
+    pub fn spawn_trim(
+        &mut self,
+        source: Entity,
+        cuts: &[(Entity, Heading)],
+        tolerance: Option<Tolerance>,
+        options: TrimOptions,
+    ) -> Entity {
+        spawn_trim(&mut self.world, source, cuts, tolerance, options)
+    }
+
+    /// The entity that stands for what is left of `source` by all of its trims, once there is one.
+    pub fn result(&self, source: Entity) -> Option<Entity> {
+        self.world.get::<TrimmedTo>(source).map(|result| result.0)
+    }
+
+    /// How far `trim` is; `None` for what is no trim.
+    pub fn trim_progress(&self, trim: Entity) -> Option<TrimProgress> {
+        let entity = self.world.get_entity(trim).ok()?;
+        entity.get::<Trim>()?;
+        let Some(job) = entity.get::<TrimJob>() else { return Some(TrimProgress::Waiting) };
+        Some(match job.state {
+            TrimState::Running(stage) => TrimProgress::Running { stage, quanta: job.quanta },
+            TrimState::Located => TrimProgress::Waiting,
+            TrimState::With(other) => TrimProgress::With(other),
+            TrimState::Finished => TrimProgress::Finished(Box::new(entity.get::<TrimReport>()?.clone())),
+            TrimState::Failed => TrimProgress::Failed(entity.get::<TrimFailed>()?.clone()),
+        })
     }
 
     /// See [`despawn_surface`].
@@ -205,15 +267,23 @@ impl Engine {
         self.world.clear_trackers();
     }
 
-    /// Where every job stands, by entity.
-    fn jobs(&mut self) -> Vec<(Entity, JobState, u64)> {
-        let jobs = self.jobs.iter(&self.world).map(|(entity, job)| (entity, job.state, job.quanta));
-        let mut jobs: Vec<_> = jobs.collect();
+    /// Where every job and trim stands, by entity.
+    fn jobs(&mut self) -> Vec<Standing> {
+        let jobs = self.jobs.iter(&self.world);
+        let mut jobs: Vec<_> = jobs
+            .map(|(entity, fit, trim)| {
+                let quanta = fit.map_or(0, |job| job.quanta) + trim.map_or(0, |job| job.quanta);
+                (entity, fit.map(|job| job.state), trim.map(|job| job.state), quanta)
+            })
+            .collect();
         jobs.sort_unstable_by_key(|job| job.0);
         jobs
     }
 }
 
-fn is_running(job: &(Entity, JobState, u64)) -> bool {
-    matches!(job.1, JobState::Running(_))
+/// Where a job or a trim stands: what it is, and how many quanta it has taken.
+type Standing = (Entity, Option<JobState>, Option<TrimState>, u64);
+
+fn is_running(&(_, fit, trim, _): &Standing) -> bool {
+    matches!(fit, Some(JobState::Running(_))) || trim.is_some_and(TrimState::is_running)
 }

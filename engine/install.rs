@@ -11,6 +11,9 @@ use selvedge_systems::enroll::enroll;
 use selvedge_systems::gather::gather_surfaces;
 use selvedge_systems::schedule::{SelvedgeSystems, SubdivisionStage};
 use selvedge_systems::subdivision::job::{admit_fits, advance_fits};
+use selvedge_systems::subdivision::trim::{
+    admit_trims, advance_trims, audit_trims, compose_results, locate_trims, remesh_trims,
+};
 use selvedge_systems::subdivision::{correspond_fits, modify_fits, refine_fits};
 use selvedge_systems::triangulate::triangulate_surfaces;
 
@@ -46,16 +49,17 @@ pub fn install(world: &mut World, schedule: &mut Schedule) {
     schedule.add_systems((check_curves, check_surfaces).chain().in_set(Check));
 
     schedule.add_systems(triangulate_surfaces.in_set(Triangulate));
-    schedule.add_systems(audit_surfaces.in_set(Audit));
+    schedule.add_systems((audit_surfaces, audit_trims).chain().in_set(Audit));
 
     use SubdivisionStage::{Admit, Advance, Correspond, Modify, Refine, Relax, Remesh};
     schedule.configure_sets((Admit, Remesh, Relax, Correspond, Modify, Refine).chain().in_set(Solve));
     schedule.configure_sets(Advance.in_set(Finish));
-    schedule.add_systems(admit_fits.in_set(Admit));
+    schedule.add_systems((admit_fits, admit_trims).chain().in_set(Admit));
+    schedule.add_systems((locate_trims, remesh_trims).chain().in_set(Remesh));
     schedule.add_systems(correspond_fits.in_set(Correspond));
     schedule.add_systems(modify_fits.in_set(Modify));
     schedule.add_systems(refine_fits.in_set(Refine));
-    schedule.add_systems(advance_fits.in_set(Advance));
+    schedule.add_systems((advance_fits, advance_trims, compose_results).chain().in_set(Advance));
 }
 
 /// Settings under which two systems that touch the same data without an order between them are an

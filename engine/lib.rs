@@ -36,18 +36,18 @@ mod plugin;
 pub mod scenes;
 mod spawn;
 
-pub use engine::{Engine, Pass, Progress, SelvedgePass, Stalled};
+pub use engine::{Engine, Pass, Progress, SelvedgePass, Stalled, TrimProgress};
 pub use install::{install, strict};
 #[cfg(feature = "bevy_app")]
 pub use plugin::SelvedgePlugin;
-pub use spawn::{cancel_fit, despawn_surface, spawn_cage, spawn_fit, spawn_surface};
+pub use spawn::{cancel_fit, despawn_surface, spawn_cage, spawn_curve, spawn_fit, spawn_surface, spawn_trim};
 
 pub use bevy_ecs;
 pub use glam::{self, DVec3};
 pub use selvedge_components::target::{Projection, Target};
 pub use selvedge_components::{
     audit, budget, curve, error, evaluate, guard, identity, job, mesh, report, subdivision, target, tolerance,
-    triangles, triangulation,
+    triangles, triangulation, trim,
 };
 pub use selvedge_systems::{diagnostics, schedule};
 

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use selvedge_components::curve::{Curve, Heading, SpaceCurve};
 use selvedge_components::identity::{Serial, Serials};
 use selvedge_components::job::{Fit, FitTarget};
 use selvedge_components::mesh::Connectivity;
@@ -12,6 +13,8 @@ use selvedge_components::subdivision::{
     Cage, ControlPointIndex, ControlPointOf, ControlPoints, Detail, DetailLevel, DetailOf, LoopSurface, Position, Sides,
 };
 use selvedge_components::target::Target;
+use selvedge_components::tolerance::Tolerance;
+use selvedge_components::trim::{Trim, TrimCurve, TrimOptions};
 
 /// Spawns a surface with all its control points and details, each kind in one batch. Returns the
 /// surface.
@@ -78,6 +81,33 @@ pub fn cancel_fit(world: &mut World, job: Entity) {
         world.despawn(detail);
     }
     world.despawn(job);
+}
+
+/// Spawns a curve in space. Returns the curve.
+pub fn spawn_curve(world: &mut World, curve: Arc<dyn Curve>) -> Entity {
+    let serial = next_serial(world);
+    world.spawn((SpaceCurve { curve }, serial)).id()
+}
+
+/// Spawns a trim of `source` by directed curves; what lies on their left stays. Returns the trim.
+///
+/// It begins in the next pass, and ends with a [`TrimReport`](selvedge_components::trim::TrimReport)
+/// or a [`TrimFailed`](selvedge_components::trim::TrimFailed) on it. Without a tolerance every level
+/// down to the last of `options` gets all its details.
+pub fn spawn_trim(
+    world: &mut World,
+    source: Entity,
+    cuts: &[(Entity, Heading)],
+    tolerance: Option<Tolerance>,
+    options: TrimOptions,
+) -> Entity {
+    let serial = next_serial(world);
+    let cuts = cuts.iter().map(|&(curve, heading)| TrimCurve { curve, heading }).collect();
+    let mut trim = world.spawn((Trim { source, cuts }, options, serial));
+    if let Some(tolerance) = tolerance {
+        trim.insert(tolerance);
+    }
+    trim.id()
 }
 
 fn next_serial(world: &mut World) -> Serial {

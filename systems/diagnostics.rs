@@ -76,12 +76,20 @@ pub struct GroundDiagnostics {
 pub struct SubdivisionDiagnostics {
     /// Jobs begun, begun again and taken back.
     pub admit: Counters,
+    /// Curves located on sources.
+    pub locate: Counters,
+    /// Curves worked into cages.
+    pub remesh: Counters,
     /// Quanta of correspondence.
     pub correspond: Counters,
     /// Quanta of modification.
     pub modify: Counters,
     /// Quanta of refinement.
     pub refine: Counters,
+    /// Quanta of the audits of trims.
+    pub audit: Counters,
+    /// Results put together of what trims have left.
+    pub compose: Counters,
     /// Transitions written at the end of a pass.
     pub advance: Counters,
 }

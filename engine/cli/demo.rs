@@ -9,12 +9,14 @@ use selvedge_components::subdivision::{CornerRule, LoopSurface};
 use selvedge_components::target::Projection;
 use selvedge_systems::triangulate::{Density, TriangulateOptions, triangulate};
 
+use super::hubcap;
 use super::limit::{write_glb, write_limit};
 use crate::scenes::{limit, octant};
 use crate::{DVec3, Engine, Progress};
 
 pub(super) fn run(out: &Path) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(out)?;
+    hubcap::run(out)?;
     write_limit(&limit::spot()?, Density::Chord(5e-4), out, "spot")?;
     fit_octant(out)?;
     println!("the files are in {}", out.display());

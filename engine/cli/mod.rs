@@ -2,6 +2,7 @@
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line talks to its user")]
 
 mod demo;
+mod hubcap;
 mod limit;
 
 use std::error::Error;
@@ -10,7 +11,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// Subdivision surfaces with exact borders, from files to files.
+/// Trimmed subdivision surfaces with exact borders, from files to files.
 #[derive(Debug, Parser)]
 #[command(name = "selvedge", version)]
 struct Arguments {
@@ -20,8 +21,8 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// A control cage to its limit surface, and an octant fitted to its sphere: the main job, on
-    /// input that comes with the program.
+    /// A disc trimmed into a hubcap: the main job, on input that comes with the program. Also a control
+    /// cage to its limit surface, and an octant fitted to its sphere.
     Demo {
         /// Where the files go.
         #[arg(long, default_value = "out")]

@@ -6,6 +6,7 @@
 //! | [`shade`] | how a surface looks: lit, with its own colours, or by numbers on a [`colourmap`] |
 //! | [`overlay`] | wireframes, control cages, borders and curves in space |
 //! | [`colourbar`] | the bar beside a picture of numbers |
+//! | [`domain`] | cages in the plane of their mean normal: fates, regions, places |
 //! | [`plot`] | errors over levels on a logarithmic axis |
 //! | [`stencil`] | the weights of a subdivision rule on a piece of mesh |
 //! | [`grid`] | several pictures as one figure with captions |
@@ -37,6 +38,7 @@ mod clip;
 pub mod colour;
 pub mod colourbar;
 pub mod colourmap;
+pub mod domain;
 mod edges;
 pub mod error;
 mod font;

@@ -9,3 +9,6 @@ pub mod octant_pictures;
 #[cfg(feature = "diagram")]
 pub mod stencil_pictures;
 pub mod stencils;
+#[cfg(feature = "diagram")]
+pub mod trim_pictures;
+pub mod trims;

@@ -2,7 +2,7 @@
 //!
 //! | reads | writes | after | before |
 //! | --- | --- | --- | --- |
-//! | `Cage`, `SpaceCurve`, `Fit` | `Serial` where there is none | - | the gathering |
+//! | `Cage`, `SpaceCurve`, `Fit`, `Trim` | `Serial` where there is none | - | the gathering |
 //!
 //! Why: a host spawns surfaces, curves and jobs as it likes, and everything that shows an order
 //! asks for their serials. Those that arrive between two passes are numbered in the order of their

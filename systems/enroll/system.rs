@@ -5,10 +5,11 @@ use selvedge_components::curve::SpaceCurve;
 use selvedge_components::identity::{Serial, Serials};
 use selvedge_components::job::Fit;
 use selvedge_components::subdivision::Cage;
+use selvedge_components::trim::Trim;
 
 use crate::diagnostics::{Counters, GroundDiagnostics};
 
-type Newcomer = (Without<Serial>, Or<(With<Cage>, With<SpaceCurve>, With<Fit>)>);
+type Newcomer = (Without<Serial>, Or<(With<Cage>, With<SpaceCurve>, With<Fit>, With<Trim>)>);
 
 /// Gives a number to every surface, curve and job that has none.
 pub fn enroll(

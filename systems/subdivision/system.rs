@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec3;
 use selvedge_components::error::FitFault;
 use selvedge_components::guard::caught;
-use selvedge_components::job::{AtCorrespond, AtModify, AtRefine, Fit, FitJob};
+use selvedge_components::job::{AtCorrespond, AtModify, AtRefine, FitJob};
 use selvedge_components::subdivision::{Address, Detail, DetailLevel, DetailOf};
 
 use super::fit::{FitError, FitWork, Quantum, Stage};
@@ -16,10 +16,7 @@ use crate::parallel::for_each;
 type Job = (Entity, &'static mut FitJob, &'static mut FitWork);
 
 /// Pairs points of surfaces with points of their targets.
-pub fn correspond_fits(
-    mut jobs: Query<Job, (With<Fit>, With<AtCorrespond>)>,
-    diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
-) {
+pub fn correspond_fits(mut jobs: Query<Job, With<AtCorrespond>>, diagnostics: Option<ResMut<SubdivisionDiagnostics>>) {
     let mut run = Counters::start();
     let jobs: Vec<_> = jobs.iter_mut().collect();
     run.counted.items = jobs.len() as u64;
@@ -31,7 +28,7 @@ pub fn correspond_fits(
 
 /// Works out details, and writes those of every job that leaves the stage over its entities.
 pub fn modify_fits(
-    mut jobs: Query<Job, (With<Fit>, With<AtModify>)>,
+    mut jobs: Query<Job, With<AtModify>>,
     mut details: Query<(&mut Detail, &DetailLevel, &Address, &DetailOf)>,
     diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
 ) {
@@ -53,7 +50,7 @@ pub fn modify_fits(
 /// away those of the level before that have stayed zero.
 pub fn refine_fits(
     mut commands: Commands,
-    mut jobs: Query<Job, (With<Fit>, With<AtRefine>)>,
+    mut jobs: Query<Job, With<AtRefine>>,
     details: Query<(Entity, &Detail, &DetailOf)>,
     diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
 ) {

@@ -216,8 +216,19 @@ impl CurveParameters {
 
     /// The parameter at the share `s` in [0, 1] of an edge of level 0: the spline `u(t)` itself.
     pub fn parameter_on(&self, edge: u64, s: f64) -> f64 {
-        let place = Place { edge: self.wrapped(edge), share: s.clamp(0.0, 1.0) };
+        let place = self.place_on(edge, s);
         self.read(&self.span(place.edge), place)
+    }
+
+    /// The place at the share `s` of an edge; the end of an edge is the beginning of the next, so
+    /// that a vertex has the same bits from both.
+    fn place_on(&self, edge: u64, s: f64) -> Place {
+        let (edge, count) = (self.wrapped(edge), self.edge_count(0) as usize);
+        match self.extent {
+            _ if s < 1.0 || s.is_nan() => Place { edge, share: s.clamp(0.0, 1.0) },
+            Extent::Open if edge + 1 == count => Place { edge, share: 1.0 },
+            _ => Place { edge: (edge + 1) % count, share: 0.0 },
+        }
     }
 
     /// The point of the border at the share `s` in [0, 1] of an edge of level 0.

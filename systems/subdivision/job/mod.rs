@@ -24,4 +24,5 @@ mod system;
 pub use admit::{Order, SurfaceNow, Verdict, Wish, first_on_each_surface, verdict};
 pub use advance::{Move, next_move};
 pub use commit::{Commit, Place, commit};
+pub(in crate::subdivision) use system::{Coefficient, deliver, discard, mark};
 pub use system::{Running, admit_fits, advance_fits};

@@ -189,7 +189,7 @@ fn fail(mut job: EntityCommands, inputs: FitInputs, why: FitFault) {
 }
 
 /// Moves the marker of a job to `stage`.
-fn mark(job: &mut EntityCommands, stage: Stage) {
+pub(in crate::subdivision) fn mark(job: &mut EntityCommands, stage: Stage) {
     job.try_remove::<(AtCorrespond, AtModify, AtRefine)>();
     match stage {
         Stage::Correspond => job.try_insert(AtCorrespond),
@@ -199,7 +199,11 @@ fn mark(job: &mut EntityCommands, stage: Stage) {
 }
 
 /// Despawns the details that belong to `jobs`.
-fn discard(commands: &mut Commands, jobs: &EntityHashSet, details: impl Iterator<Item = (Entity, Entity)>) {
+pub(in crate::subdivision) fn discard(
+    commands: &mut Commands,
+    jobs: &EntityHashSet,
+    details: impl Iterator<Item = (Entity, Entity)>,
+) {
     if jobs.is_empty() {
         return;
     }
@@ -208,7 +212,9 @@ fn discard(commands: &mut Commands, jobs: &EntityHashSet, details: impl Iterator
     }
 }
 
-type Coefficient = (Entity, &'static mut Detail, &'static DetailLevel, &'static Address, &'static mut DetailOf);
+/// A detail coefficient.
+pub(in crate::subdivision) type Coefficient =
+    (Entity, &'static mut Detail, &'static DetailLevel, &'static Address, &'static mut DetailOf);
 
 /// Writes the transitions of all jobs that took a step, and the results of those that are done.
 pub fn advance_fits(
@@ -259,8 +265,9 @@ fn report(work: &FitWork, outcome: Outcome, details: usize) -> FitReport {
     FitReport { initial: work.initial().copied(), ladder: work.ladder().to_vec(), outcome, details }
 }
 
-/// Makes what `work` has found the details of `surface`. Returns how many they are.
-fn deliver(
+/// Makes what `work` has found the details of `surface`, which may be the job itself. Returns how
+/// many they are.
+pub(in crate::subdivision) fn deliver(
     commands: &mut Commands,
     details: &mut Query<Coefficient>,
     job: Entity,
@@ -271,7 +278,7 @@ fn deliver(
     for (entity, _, level, &address, of) in details.iter() {
         let place = ((level.0, address), entity);
         of_surface.extend((of.0 == surface).then_some(place));
-        of_job.extend((of.0 == job).then_some(place));
+        of_job.extend((of.0 == job && job != surface).then_some(place));
     }
     let Commit { write, give, spawn, despawn } = commit(work.details(), of_surface, of_job);
     let count = write.len() + give.len() + spawn.len();

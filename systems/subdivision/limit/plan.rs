@@ -81,11 +81,15 @@ fn unsettled_faces(surface: &LoopSurface, corners: &CornerTable) -> Vec<Vec<Face
     for l in (0..unsettled.len()).rev() {
         let level = l as u32 + 1;
         let stored = surface.details.levels.get(level as usize).map_or(&[][..], Vec::as_slice);
-        // An address that the level does not have stands for nothing.
-        let at = stored.iter().filter_map(|&(address, _)| Some(region::corner_at(mesh, level, address)?.0)).collect();
-        // A detail shapes the faces of two rings around it.
-        let around = region::neighbourhood(mesh, level, &region::ascending(at));
-        let mut faces = region::neighbourhood(mesh, level, &around);
+        // A detail shapes the faces of two rings around it, and no others: what lies beyond keeps the way
+        // in which it is evaluated, and so its bits. An address that the level does not have stands for
+        // nothing.
+        let mut around = Vec::new();
+        for (face, corner) in stored.iter().filter_map(|&(address, _)| region::corner_at(mesh, level, address)) {
+            around.push(face);
+            region::fan(mesh, level, face, corner, &mut around);
+        }
+        let mut faces = region::neighbourhood(mesh, level, &region::ascending(around));
         faces.extend(&finer);
         let mut parents = region::parents(&region::ascending(faces));
         parents.extend(if l == 0 { &special[..] } else { &[] });

@@ -8,6 +8,7 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use selvedge_components::curve::Traversal;
 use selvedge_components::evaluate::{Evaluate, SurfacePoint};
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
@@ -32,6 +33,8 @@ pub struct TrimAuditWork {
     limit: LimitSurface,
     /// The distance allowed, if one was asked for.
     allowed: Option<f64>,
+    /// A foot as near as this is taken for the right one; one that is farther is sought elsewhere, too.
+    near: f64,
     samples: u32,
     seed: u64,
     omega: Vec<FaceCode>,
@@ -55,7 +58,9 @@ impl TrimAuditWork {
             LimitSurface::new(Arc::clone(&surface)).map_err(|why| TrimFault::Unevaluated { why: why.to_string() })?;
         let (omega, samples, seed) = (remeshed.omega(), options.samples, options.seed);
         let found = TrimAudit::default();
-        Ok(Self { ground, remeshed, surface, limit, allowed, samples, seed, omega, measured: 0, found })
+        // Without a tolerance, what is a thousandth of an edge off is looked at twice.
+        let near = allowed.map_or(1e-3 * ground.edge, |allowed| 0.5 * allowed);
+        Ok(Self { ground, remeshed, surface, limit, allowed, near, samples, seed, omega, measured: 0, found })
     }
 
     /// What is measured.
@@ -104,16 +109,29 @@ impl TrimAuditWork {
             let mut starts = [0, 1, 2];
             starts.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
             let starts = starts.map(|c: usize| self.remeshed.natural[corners[c].index()]);
-            let off = foot::distance(&**source, &self.ground.surface.mesh, starts, x, 0.0);
+            let off = self.off(&**source, &self.ground.surface.mesh, &starts, x);
             farther(&mut found, &TrimAudit { to_source: off, to_source_at: x, samples: 1, ..TrimAudit::default() });
             if let FaceOrigin::Leaf { level, code } = origin {
                 let y = source.position(on_root(level, code, draw.weights_near(weights)));
                 let starts = [SurfacePoint::new(face, weights[1], weights[2])];
-                let off = foot::distance(&self.limit, &self.surface.mesh, starts, y, 0.0);
+                let off = self.off(&self.limit, &self.surface.mesh, &starts, y);
                 farther(&mut found, &TrimAudit { to_result: off, to_result_at: y, samples: 1, ..TrimAudit::default() });
             }
         }
         found
+    }
+
+    /// The distance of `x` to a surface, from the first of `starts`; where that leads to no near foot,
+    /// from the others, and from all over the faces around them.
+    fn off(&self, surface: &dyn Evaluate, mesh: &Connectivity, starts: &[SurfacePoint], x: DVec3) -> f64 {
+        let first = foot::distance(surface, mesh, starts.iter().take(1).copied(), x, 0.0);
+        if first <= self.near {
+            return first;
+        }
+        let around = starts.iter().flat_map(|start| mesh.face(start.face)).flat_map(|v| mesh.ring(v));
+        let all_over = around.flat_map(|h| foot::AROUND.map(|w| SurfacePoint::new(h.face(), w[1], w[2])));
+        let others = starts.iter().skip(1).copied().chain(all_over);
+        first.min(foot::distance(surface, mesh, others, x, self.near))
     }
 
     fn judge_distances(&self, faults: &mut Vec<TrimAuditFault>) {

@@ -14,13 +14,26 @@
 //! Trims of one source that touch are made together, from the source itself: nothing is ever fitted
 //! to, or measured against, the result of another trim, so however many there are nothing drifts.
 
+mod admit;
 mod audit;
+mod compose;
 mod ground;
+mod group;
+mod locate;
+mod rename;
+mod system;
 mod work;
+mod zone;
 
+pub use admit::{Candidate, Source, Verdict, anything_changed, verdict};
 pub use audit::TrimAuditWork;
+pub use compose::{ComposedOf, Misfit, Solved, ZoneOf, compose};
 pub use ground::Ground;
-pub use work::{TrimWork, fit_options};
+pub use group::{Group, groups};
+pub use locate::{LocateWork, Located};
+pub use system::{Known, admit_trims, advance_trims, audit_trims, compose_results, locate_trims, remesh_trims};
+pub use work::{Blamed, TrimWork, fit_options};
+pub use zone::{Zone, ZoneSide, reserve};
 
 #[cfg(test)]
 mod tests;

@@ -1,25 +1,29 @@
-//! Trims that are made together: locate, remesh, and what begins and ends their fit.
+//! Trims that are made together: remesh, what begins their fit, and what ends it.
 
 use std::sync::Arc;
 
 use bevy_ecs::prelude::Component;
 use selvedge_components::budget::Budgets;
-use selvedge_components::curve::Curve;
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::VertexId;
 use selvedge_components::subdivision::fit::{FitOptions, Outcome, Region};
-use selvedge_components::subdivision::remesh::RemeshError;
+use selvedge_components::subdivision::remesh::{PreImageError, RemeshError};
 use selvedge_components::subdivision::{FaceCode, LoopSurface};
 use selvedge_components::target::{Guarded, Target};
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::trim::{TrimFault, TrimOptions, TrimQuantum, TrimReport, TrimStage, TrimmedCage};
+use thiserror::Error;
 
 use super::audit::TrimAuditWork;
-use super::ground::{Ground, diagonal};
+use super::compose::ZoneOf;
+use super::ground::Ground;
+use super::locate::Located;
+use super::zone::Zone;
 use crate::closest::Search;
 use crate::subdivision::fit::FitWork;
+use crate::subdivision::region;
 use crate::subdivision::relax::shape;
-use crate::subdivision::remesh::{self, Cut, PreImage, RemeshOptions, Remeshed, TraceOptions, trace_parts};
+use crate::subdivision::remesh::{self, Cut, FaceOrigin, PreImage, RemeshOptions, Remeshed};
 
 /// Trims in progress that are made together: all their dense state, but for that of their fit.
 ///
@@ -27,62 +31,77 @@ use crate::subdivision::remesh::{self, Cut, PreImage, RemeshOptions, Remeshed, T
 /// costs time and nothing else.
 #[derive(Component, Debug)]
 pub struct TrimWork {
+    /// The source, or the zone of it that is worked on.
     ground: Arc<Ground>,
-    cuts: Vec<Cut>,
+    members: Vec<Arc<Located>>,
+    /// The faces that the trims may change, ascending.
+    reserved: Vec<FaceCode>,
+    /// The part of the source that is worked on; `None` before that is known, and where it is all.
+    zone: Option<Arc<ZoneOf>>,
+    prepared: bool,
     options: TrimOptions,
     tolerance: Option<Tolerance>,
-    stage: TrimStage,
-    /// The curves located so far: for each part of one that lies on the source its cut and where it
-    /// runs.
-    parts: Vec<(usize, PreImage)>,
-    located: usize,
     remeshed: Option<Arc<Remeshed>>,
+    /// The fit of the new cage, until it is taken.
+    fit: Option<Box<FitWork>>,
     audit: Option<TrimAuditWork>,
 }
 
-/// Where no tolerance says how far a curve may lie off the surface: this part of the source's size.
-const OFF: f64 = 0.01;
-
-/// Steps along a curve while it is located, of an edge of the cage.
-const STEPS_PER_EDGE: f64 = 8.0;
-
 impl TrimWork {
-    /// Begins to trim `ground` by `cuts`, which are the curves of all trims that are made together.
+    /// Begins to trim `ground` by the curves of all `members`, which may change the `reserved` faces.
     ///
-    /// # Errors
-    /// [`TrimFault::BadNumber`], [`TrimFault::Remesh`] where there is no curve.
-    pub fn new(
-        ground: Arc<Ground>,
-        cuts: Vec<Cut>,
-        options: TrimOptions,
-        tolerance: Option<Tolerance>,
-    ) -> Result<Self, TrimFault> {
-        let positive = |what, value: f64| {
-            if value.is_finite() && value > 0.0 { Ok(()) } else { Err(TrimFault::BadNumber { what, value }) }
+    /// Options and tolerances of trims that are made together are the strictest of each. The members
+    /// are in the order of the trims.
+    pub fn new(ground: Arc<Ground>, members: Vec<Arc<Located>>, reserved: Vec<FaceCode>) -> Self {
+        let options = members.iter().map(|m| m.options.clone()).reduce(|a, b| strictest_options(&a, &b));
+        let tolerance = members.iter().filter_map(|m| m.tolerance).reduce(strictest_tolerance);
+        let options = options.unwrap_or_default();
+        let (zone, prepared, remeshed, fit, audit) = (None, false, None, None, None);
+        Self { ground, members, options, tolerance, reserved, zone, prepared, remeshed, fit, audit }
+    }
+
+    /// As [`Self::new`], with all of the source to be changed.
+    pub fn on_all(ground: Arc<Ground>, members: Vec<Arc<Located>>) -> Self {
+        let all = region::whole(&ground.surface.mesh, 0);
+        Self::new(ground, members, all)
+    }
+
+    /// The part of the source that is worked on; `None` where that is all of it.
+    pub const fn zone(&self) -> Option<&Arc<ZoneOf>> {
+        self.zone.as_ref()
+    }
+
+    /// Goes on with the part of the source that the trims can touch, as if it were all.
+    fn prepare(&mut self) -> Result<(), TrimFault> {
+        self.prepared = true;
+        let source = Arc::clone(&self.ground.surface);
+        let zone = Zone::around(&source.mesh, &self.reserved);
+        let Some((zone, (surface, sides))) =
+            zone.and_then(|zone| Some((zone.extract(&source)?, zone)).map(|(s, z)| (z, s)))
+        else {
+            return Ok(());
         };
-        if let Some(tolerance) = tolerance {
-            positive("the tolerance of the fit", tolerance.fit)?;
-            positive("the tolerance of the curve", tolerance.curve)?;
-        }
-        if let Some(reach) = options.reach {
-            positive("the reach", reach)?;
-        }
-        if cuts.is_empty() {
-            return Err(RemeshError::NoCurves.into());
-        }
-        let stage = TrimStage::Locate;
-        let (parts, located, remeshed, audit) = (Vec::new(), 0, None, None);
-        Ok(Self { ground, cuts, options, tolerance, stage, parts, located, remeshed, audit })
+        let narrow = |located: &Arc<Located>| {
+            let parts = located.parts.iter().map(|(cut, image)| Some((*cut, zone.narrow(image)?)));
+            Some(Arc::new(Located { parts: parts.collect::<Option<_>>()?, ..Located::clone(located) }))
+        };
+        let Some(members) = self.members.iter().map(narrow).collect() else { return Ok(()) };
+        self.ground = Arc::new(Ground::new(Arc::new(surface), self.ground.revision)?);
+        self.members = members;
+        self.zone = Some(Arc::new(ZoneOf { zone, sides }));
+        Ok(())
     }
 
-    /// The stage that is next.
-    pub const fn stage(&self) -> TrimStage {
-        self.stage
-    }
-
-    /// The curves.
-    pub fn cuts(&self) -> &[Cut] {
-        &self.cuts
+    /// Has the remeshing kept to the faces that are reserved? In a zone nothing else may change.
+    fn keeps_to_its_zone(&self, remeshed: &Remeshed) -> bool {
+        let Some(zone) = &self.zone else { return true };
+        remeshed.omega().iter().all(|face| match remeshed.face_origin[face.root_face(0).index()] {
+            FaceOrigin::Leaf { level, code } | FaceOrigin::Closure { level, code } => {
+                let root = zone.zone.faces[code.root_face(level).index()];
+                self.reserved.binary_search(&FaceCode::root(root)).is_ok()
+            }
+            FaceOrigin::Strip { .. } => true,
+        })
     }
 
     /// The source, ready to be searched.
@@ -95,86 +114,77 @@ impl TrimWork {
         self.remeshed.as_ref()
     }
 
-    /// Where the curves run on the source, as far as they are located: the index of each one's cut,
-    /// and the pre-image of a part of it.
-    pub fn parts(&self) -> &[(usize, PreImage)] {
-        &self.parts
+    /// The parts of all curves that lie on the source, as cuts, in the order of the trims.
+    pub fn parts(&self) -> impl Iterator<Item = (&Cut, &PreImage)> {
+        self.members.iter().flat_map(|m| m.parts.iter().map(|(cut, part)| (&m.cuts[*cut], part)))
     }
 
-    /// Locates the next curve on the source; all of them located, [`TrimStage::Remesh`] is next.
-    ///
-    /// # Errors
-    /// When the curve misses the source, lies too far off, or has no usable pre-image.
-    pub fn locate(&mut self) -> Result<TrimQuantum, TrimFault> {
-        let cut = self.located;
-        if let Some(Cut { curve, .. }) = self.cuts.get(cut) {
-            let found = self.locate_one(cut, &**curve)?;
-            self.parts.extend(found.into_iter().map(|part| (cut, part)));
-            self.located += 1;
-        }
-        if self.located < self.cuts.len() {
-            return Ok(TrimQuantum::More);
-        }
-        self.stage = TrimStage::Remesh;
-        Ok(TrimQuantum::Next(self.stage))
+    /// For each of [`Self::parts`] the trim and its curve, by index.
+    fn owners(&self) -> Vec<(usize, usize)> {
+        let members = self.members.iter().enumerate();
+        members.flat_map(|(trim, m)| m.parts.iter().map(move |&(cut, _)| (trim, cut))).collect()
     }
 
-    fn locate_one(&self, index: usize, curve: &dyn Curve) -> Result<Vec<PreImage>, TrimFault> {
-        let limit = self.tolerance.map_or(OFF * self.ground.size, |t| t.curve);
-        let options = TraceOptions { curve: limit, step: self.ground.edge / STEPS_PER_EDGE };
-        let target = self.ground.target(Search::Everywhere);
-        let parts = trace_parts(&self.ground.surface.mesh, &target, curve, options)
-            .map_err(|source| RemeshError::PreImage { curve: index, source })?;
-        if parts.is_empty() {
-            return Err(self.miss(index, curve, limit));
-        }
-        if let Some(tolerance) = self.tolerance {
-            let points: Vec<_> = parts.iter().flat_map(|part| &part.points).map(|p| p.position).collect();
-            let size = diagonal(&points);
-            if size < tolerance.fit {
-                return Err(TrimFault::TooSmall { curve: index, size, at: points[0], tolerance: tolerance.fit });
-            }
-        }
-        Ok(parts)
-    }
-
-    fn miss(&self, curve: usize, of: &dyn Curve, limit: f64) -> TrimFault {
-        const LOOKS: u32 = 64;
-        let mut nearest = (f64::INFINITY, 0.0, of.position(0.0));
-        for u in (0..LOOKS).map(|k| f64::from(k) / f64::from(LOOKS)) {
-            let at = of.position(u);
-            if let Some(found) = self.ground.index.closest(at).ok().filter(|found| found.distance < nearest.0) {
-                nearest = (found.distance, u, at);
-            }
-        }
-        let (distance, u, at) = nearest;
-        TrimFault::Misses { curve, u, at, distance, limit }
-    }
-
-    /// Works the curves into the cage and begins the fit of it.
+    /// Works the curves into the cage and begins the fit of it, which [`Self::take_fit`] hands on.
+    /// Before that, in a quantum of its own, the part of the source is taken that this can touch; if
+    /// it turns out too small, [`TrimQuantum::Widen`] says so.
     ///
     /// # Errors
     /// As [`remesh::remesh`] and [`FitWork::new`].
-    pub fn remesh(&mut self, budgets: &Budgets) -> Result<FitWork, TrimFault> {
+    pub fn remesh(&mut self, budgets: &Budgets) -> Result<TrimQuantum, Blamed> {
+        if !self.prepared {
+            self.prepare().map_err(|why| self.newest(why))?;
+            return Ok(TrimQuantum::More);
+        }
         let options = RemeshOptions { reach: self.options.reach, ..RemeshOptions::default() };
-        let cuts: Vec<Cut> = self.parts.iter().map(|&(cut, _)| self.cuts[cut].clone()).collect();
-        let images: Vec<PreImage> = self.parts.iter().map(|(_, part)| part.clone()).collect();
-        let remeshed = remesh::remesh(&self.ground.surface, &cuts, &images, &options)
-            .map_err(|why| TrimFault::Remesh(self.of_cuts(why)))?;
+        let (cuts, images): (Vec<Cut>, Vec<PreImage>) = self.parts().map(|(c, p)| (c.clone(), p.clone())).unzip();
+        let remeshed = remesh::remesh(&self.ground.surface, &cuts, &images, &options).map_err(|why| self.blame(why))?;
+        if !self.keeps_to_its_zone(&remeshed) {
+            return Ok(TrimQuantum::Widen);
+        }
         let target: Arc<dyn Target> = Arc::new(self.ground.target(Search::AroundHint));
         let guarded = Arc::new(Guarded::new(target, *budgets));
-        let fit = fit_options(&self.options, self.tolerance.as_ref(), budgets, remeshed.omega());
+        let options = fit_options(&self.options, self.tolerance.as_ref(), budgets, remeshed.omega());
         let natural: Arc<[SurfacePoint]> = remeshed.natural.clone().into();
-        let work = FitWork::new(Arc::new(remeshed.surface.clone()), guarded, fit)?.with_natural(natural);
+        let fit = FitWork::new(Arc::new(remeshed.surface.clone()), guarded, options);
+        self.fit = Some(Box::new(fit.map_err(|why| self.newest(why.into()))?.with_natural(natural)));
         self.remeshed = Some(Arc::new(remeshed));
-        self.stage = TrimStage::Fit;
-        Ok(work)
+        Ok(TrimQuantum::Next(TrimStage::Fit))
     }
 
-    /// An error that names parts of curves, with the curves themselves.
-    fn of_cuts(&self, mut why: RemeshError) -> RemeshError {
-        let cut = |part: usize| self.parts.get(part).map_or(part, |part| part.0);
-        match &mut why {
+    /// The fit that remeshing has begun; it is not ours any more.
+    pub fn take_fit(&mut self) -> Option<FitWork> {
+        self.fit.take().map(|fit| *fit)
+    }
+
+    /// A failure for which no single curve can be named is that of the newest trim: those before it
+    /// may be sound without it.
+    pub fn newest(&self, why: TrimFault) -> Blamed {
+        Blamed { trim: self.members.len().saturating_sub(1), why }
+    }
+
+    /// Names the trim whose curve an error is about, and the curve as that trim counts its own.
+    fn blame(&self, mut why: RemeshError) -> Blamed {
+        let owners = self.owners();
+        if let RemeshError::Gap { curves, .. }
+        | RemeshError::Tangential { curves, .. }
+        | RemeshError::Coincident { curves, .. } = &mut why
+        {
+            // Of two that do not go together, the newer one is in the way.
+            let newer = owners.get(curves[1]).map(|owner| owner.0);
+            *curves = curves.map(|part| owners.get(part).map_or(part, |owner| owner.1));
+            return match newer {
+                Some(trim) => Blamed { trim, why: why.into() },
+                None => self.newest(why.into()),
+            };
+        }
+        let blamed = match &mut why {
+            RemeshError::PreImage { source: PreImageError::Crossing { curves, .. }, curve } => {
+                // Of two curves that cross, the newer one is in the way.
+                let newer = curves[0].max(curves[1]);
+                *curves = curves.map(|part| owners.get(part).map_or(part, |owner| owner.1));
+                Some((curve, newer))
+            }
             RemeshError::PreImage { curve, .. }
             | RemeshError::Open { curve, .. }
             | RemeshError::DoesNotSeparate { curve, .. }
@@ -183,38 +193,32 @@ impl TrimWork {
             | RemeshError::Cusp { curve, .. }
             | RemeshError::BorderGap { curve, .. }
             | RemeshError::AlongBorder { curve, .. }
-            | RemeshError::Unresolved { curve, .. } => *curve = cut(*curve),
-            RemeshError::Gap { curves, .. }
-            | RemeshError::Tangential { curves, .. }
-            | RemeshError::Coincident { curves, .. } => *curves = curves.map(cut),
-            _ => {}
-        }
-        why
+            | RemeshError::Unresolved { curve, .. } => {
+                let part = *curve;
+                Some((curve, part))
+            }
+            _ => None,
+        };
+        let Some((curve, part)) = blamed else { return self.newest(why.into()) };
+        let Some(&(trim, own)) = owners.get(part) else { return self.newest(why.into()) };
+        *curve = own;
+        Blamed { trim, why: why.into() }
     }
 
-    /// The fit is done: measures it next.
+    /// Runs one work quantum of the audit of `fit`, which is done.
     ///
     /// # Errors
-    /// [`TrimFault::NotReached`] when it ended above its tolerance; [`TrimFault::Unevaluated`].
-    pub fn begin_audit(&mut self, fit: &FitWork) -> Result<(), TrimFault> {
-        let outcome = fit.outcome().unwrap_or(Outcome::Within);
-        let limit = self.tolerance.map(|t| t.fit);
-        if outcome != Outcome::Within {
-            return Err(TrimFault::NotReached { outcome });
-        }
-        let Some(remeshed) = self.remeshed.clone() else { return Ok(()) };
-        let surface = Arc::new(LoopSurface { details: fit.details().clone(), ..remeshed.surface.clone() });
-        self.audit = Some(TrimAuditWork::new(Arc::clone(&self.ground), remeshed, surface, limit, &self.options)?);
-        self.stage = TrimStage::Audit;
-        Ok(())
-    }
-
-    /// Runs one work quantum of the audit.
-    ///
-    /// # Errors
-    /// [`TrimFault::Audit`] with everything that is wrong.
-    pub fn audit(&mut self) -> Result<TrimQuantum, TrimFault> {
-        self.audit.as_mut().map_or(Ok(TrimQuantum::Finished), TrimAuditWork::advance)
+    /// [`TrimFault::Audit`] with everything that is wrong; [`TrimFault::Unevaluated`].
+    pub fn audit(&mut self, fit: &FitWork) -> Result<TrimQuantum, Blamed> {
+        let Some(audit) = &mut self.audit else {
+            let Some(remeshed) = self.remeshed.clone() else { return Ok(TrimQuantum::Finished) };
+            let surface = Arc::new(LoopSurface { details: fit.details().clone(), ..remeshed.surface.clone() });
+            let (ground, limit) = (Arc::clone(&self.ground), self.tolerance.map(|t| t.fit));
+            let audit = TrimAuditWork::new(ground, remeshed, surface, limit, &self.options);
+            self.audit = Some(audit.map_err(|why| self.newest(why))?);
+            return Ok(TrimQuantum::More);
+        };
+        audit.advance().map_err(|why| self.newest(why))
     }
 
     /// What is left of the source, once the audit has begun.
@@ -227,7 +231,7 @@ impl TrimWork {
         let (remeshed, audit) = (self.remeshed.as_ref()?, self.audit.as_ref()?);
         Some(TrimReport {
             together: Vec::new(),
-            off: self.parts.iter().map(|(_, part)| part.distance()).fold(0.0, f64::max),
+            off: self.parts().map(|(_, part)| part.distance()).fold(0.0, f64::max),
             initial: fit.initial().copied(),
             ladder: fit.ladder().to_vec(),
             outcome: fit.outcome()?,
@@ -256,7 +260,7 @@ impl TrimWork {
 
     /// The farthest from the curves that a control point has changed.
     fn changed_radius(&self, remeshed: &Remeshed) -> f64 {
-        let path: Vec<_> = self.parts.iter().flat_map(|(_, part)| &part.points).map(|p| p.position).collect();
+        let path: Vec<_> = self.parts().flat_map(|(_, part)| &part.points).map(|p| p.position).collect();
         let away = |v: &VertexId| {
             let x = remeshed.limit[v.index()];
             path.iter().map(|p| p.distance_squared(x)).fold(f64::INFINITY, f64::min)
@@ -267,15 +271,38 @@ impl TrimWork {
     /// Runs all stages to the end: what a host without a schedule does.
     ///
     /// # Errors
-    /// As the stages do.
-    pub fn run(&mut self, budgets: &Budgets) -> Result<FitWork, TrimFault> {
-        while self.locate()? == TrimQuantum::More {}
-        let mut fit = self.remesh(budgets)?;
-        fit.run()?;
-        self.begin_audit(&fit)?;
-        while self.audit()? == TrimQuantum::More {}
+    /// As the stages do, [`TrimFault::NotReached`] when the fit ends above its tolerance.
+    pub fn run(&mut self, budgets: &Budgets) -> Result<FitWork, Blamed> {
+        while self.remesh(budgets)? == TrimQuantum::More {}
+        // Remeshing has just begun a fit.
+        let Some(mut fit) = self.take_fit() else { return Err(self.newest(RemeshError::NoCurves.into())) };
+        match fit.run().map_err(|why| self.newest(why.into()))? {
+            Outcome::Within => {}
+            outcome => return Err(self.newest(TrimFault::NotReached { outcome })),
+        }
+        while self.audit(&fit)? == TrimQuantum::More {}
         Ok(fit)
     }
+}
+
+/// A failure of trims made together, and which of them is to go.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("trim {trim}: {why}")]
+pub struct Blamed {
+    /// The trim, by index among those made together.
+    pub trim: usize,
+    /// What happened.
+    pub why: TrimFault,
+}
+
+fn strictest_tolerance(a: Tolerance, b: Tolerance) -> Tolerance {
+    Tolerance { fit: a.fit.min(b.fit), chord: a.chord.min(b.chord), curve: a.curve.min(b.curve) }
+}
+
+fn strictest_options(a: &TrimOptions, b: &TrimOptions) -> TrimOptions {
+    let reach = a.reach.into_iter().chain(b.reach).reduce(f64::min);
+    let (last_level, samples) = (a.last_level.max(b.last_level), a.samples.max(b.samples));
+    TrimOptions { last_level, samples, reach, ..a.clone() }
 }
 
 /// How the cage that trims leave is fitted: over `omega`, and nowhere else.

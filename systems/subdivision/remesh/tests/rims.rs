@@ -72,7 +72,7 @@ fn walls_to_a_given_rim_are_resolved_down_to_a_tenth_of_a_millimetre() {
         let (result, verdict) = sound(&format!("rim{wall}"), &disc, &cuts);
         assert_eq!(result.surface.mesh.border_loops().len(), 2);
         assert_eq!(result.surface.mesh.euler(), 0);
-        assert!(verdict.worst_shape > 0.01, "{wall}: {verdict:?}");
+        assert!(verdict.worst_shape > 0.01, "{wall}: {verdict:?} at {}", verdict.worst_at);
     }
 }
 

@@ -1,0 +1,154 @@
+//! A scene's trims, done step by step.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use selvedge_components::budget::Budgets;
+use selvedge_components::mesh::FaceId;
+use selvedge_components::subdivision::fit::{Outcome, Quantum, Rung};
+use selvedge_components::subdivision::{Details, FaceCode, LoopSurface};
+use selvedge_components::tolerance::Tolerance;
+use selvedge_components::trim::{TrimFault, TrimOptions, TrimQuantum};
+use selvedge_systems::subdivision::remesh::{Cut, FaceOrigin, PreImage, Remeshed};
+use selvedge_systems::subdivision::trim::{Ground, LocateWork, TrimWork};
+
+use super::Scene;
+
+/// What a scene's trims are asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// The tolerance; none refines all that may move down to the last level.
+    pub tolerance: Option<Tolerance>,
+    /// Everything else.
+    pub options: TrimOptions,
+}
+
+impl Settings {
+    /// Down to a distance between the trimmed and the given limit surface, in metres.
+    pub fn within(fit: f64) -> Self {
+        // Curves laid on the given surface lie off it by rounding; triangles are asked for apart.
+        let tolerance = Tolerance { fit, chord: fit, curve: fit };
+        Self { tolerance: Some(tolerance), options: TrimOptions { last_level: 16, ..TrimOptions::default() } }
+    }
+
+    /// Down to a level, wherever the trims may change anything.
+    pub fn levels(last_level: u32) -> Self {
+        Self { tolerance: None, options: TrimOptions { last_level, ..TrimOptions::default() } }
+    }
+
+    /// The same, with no control point changed farther than `reach` from the curves, in metres.
+    #[must_use]
+    pub fn reaching(self, reach: f64) -> Self {
+        Self { options: TrimOptions { reach: Some(reach), ..self.options }, ..self }
+    }
+}
+
+/// A scene, trimmed.
+#[derive(Debug)]
+pub struct Trimmed {
+    /// What was trimmed.
+    pub name: String,
+    /// The surface that was given, against which every error is measured.
+    pub ground: Arc<Ground>,
+    /// What is left.
+    pub surface: Arc<LoopSurface>,
+    /// The parts of the curves that lie on the given surface, as cuts.
+    pub cuts: Vec<Cut>,
+    /// Where each of them runs.
+    pub images: Vec<PreImage>,
+    /// The new cage, before any fit.
+    pub remeshed: Arc<Remeshed>,
+    /// Its faces whose limit patch may differ from the given surface's, ascending.
+    pub omega: Vec<FaceCode>,
+    /// The error of the new cage before any detail.
+    pub initial: Option<Rung>,
+    /// The error after each level.
+    pub ladder: Vec<Rung>,
+    /// How the fit ended.
+    pub outcome: Outcome,
+    /// The longest step that cannot be interrupted.
+    pub longest_step: Duration,
+    /// All steps together.
+    pub time: Duration,
+}
+
+impl Trimmed {
+    /// The surface with the details of levels up to `level`; before any fit for `None`.
+    pub fn after(&self, level: Option<u32>) -> LoopSurface {
+        let given = &self.remeshed.surface;
+        let Some(level) = level else { return given.clone() };
+        // Levels beyond hold what the given surface brought with it.
+        let count = self.surface.details.levels.len().max(given.details.levels.len());
+        let of = |details: &Details, l: usize| details.levels.get(l).cloned().unwrap_or_default();
+        let levels = (0..count)
+            .map(|l| of(if l <= level as usize { &self.surface.details } else { &given.details }, l))
+            .collect();
+        LoopSurface { details: Details { levels }, ..given.clone() }
+    }
+
+    /// The faces of what is left beyond the region of influence, each with the face of the given surface,
+    /// or of a level of it where the whole cage was refined first, that it still is.
+    pub fn untouched(&self) -> impl Iterator<Item = (FaceId, u32, FaceCode)> + '_ {
+        let outside = |f: FaceId| self.omega.binary_search(&FaceCode::root(f)).is_err();
+        self.remeshed.face_origin.iter().enumerate().filter_map(move |(f, origin)| match *origin {
+            FaceOrigin::Leaf { level, code } if outside(FaceId::new(f)) => Some((FaceId::new(f), level, code)),
+            _ => None,
+        })
+    }
+}
+
+/// Does the trims of a scene together, as [`selvedge_systems::subdivision::trim`] makes those that
+/// touch: from the surface that was given, whatever their number.
+///
+/// # Errors
+/// What stands against them.
+pub fn run(scene: &Scene, settings: &Settings) -> Result<Trimmed, TrimFault> {
+    let budgets = Budgets::default();
+    let mut clock = Clock::default();
+    let ground = Arc::clone(&scene.ground);
+    let mut located = Vec::with_capacity(scene.trims.len());
+    for cuts in &scene.trims {
+        let Settings { options, tolerance } = settings.clone();
+        let mut work = LocateWork::new(Arc::clone(&ground), cuts.clone(), options, tolerance)?;
+        while clock.time(|| work.advance())? == TrimQuantum::More {}
+        located.push(Arc::clone(work.found()));
+    }
+    let mut work = TrimWork::on_all(Arc::clone(&ground), located);
+    while clock.time(|| work.remesh(&budgets)).map_err(|blamed| blamed.why)? == TrimQuantum::More {}
+    let mut fit = work.take_fit().expect("remeshing has just begun a fit");
+    while clock.time(|| fit.advance())? != Quantum::Finished {}
+    let remeshed = Arc::clone(work.remeshed().expect("a cage that is fitted"));
+    let surface = LoopSurface { details: fit.details().clone(), ..remeshed.surface.clone() };
+    Ok(Trimmed {
+        name: scene.name.clone(),
+        ground,
+        surface: Arc::new(surface),
+        cuts: work.parts().map(|(cut, _)| cut.clone()).collect(),
+        images: work.parts().map(|(_, image)| image.clone()).collect(),
+        omega: remeshed.omega(),
+        remeshed,
+        initial: fit.initial().copied(),
+        ladder: fit.ladder().to_vec(),
+        outcome: fit.outcome().unwrap_or(Outcome::Within),
+        longest_step: clock.longest,
+        time: clock.sum,
+    })
+}
+
+/// Adds up steps.
+#[derive(Debug, Default)]
+struct Clock {
+    longest: Duration,
+    sum: Duration,
+}
+
+impl Clock {
+    fn time<R>(&mut self, step: impl FnOnce() -> R) -> R {
+        let start = Instant::now();
+        let result = step();
+        let took = start.elapsed();
+        self.longest = self.longest.max(took);
+        self.sum += took;
+        result
+    }
+}

@@ -1,0 +1,324 @@
+//! # Compose: the result of a source, of what its trims have left
+//!
+//! Where no trim reaches, the source's own faces stay, with their control points and details; within
+//! reach of a trim, what that has left takes their place. Faces that no trim reaches, but that lie
+//! beyond a curve, are found by flood: from what a trim has removed, over faces, up to other curves.
+
+mod roster;
+
+use std::sync::Arc;
+
+use bevy_ecs::entity::Entity;
+use bevy_ecs::prelude::Component;
+use glam::DVec3;
+use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
+use selvedge_components::subdivision::remesh::RemeshError;
+use selvedge_components::subdivision::{Address, Details, LoopSurface, NONE, Side};
+use selvedge_components::trim::BorderLine;
+
+use super::rename::{Names, rename_details};
+use super::zone::{Zone, ZoneSide};
+use crate::subdivision::remesh::{FaceOrigin, Fate, Remeshed, VertexOrigin};
+use roster::{Face, Roster};
+
+/// What trims made together have left: on the first of them, once it has finished. Derived.
+#[derive(Component, Clone, Debug)]
+pub struct Solved {
+    /// The trims, in their order.
+    pub together: Vec<Entity>,
+    /// A number that no other solution of this world has.
+    pub number: u64,
+    /// The part of the source that was looked at; all of it where there is none.
+    pub zone: Option<Arc<ZoneOf>>,
+    /// The cage.
+    pub remeshed: Arc<Remeshed>,
+    /// What is left of that part of the source, details and all.
+    pub surface: Arc<LoopSurface>,
+}
+
+/// A zone, and what its sides are of the source's.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ZoneOf {
+    /// The zone.
+    pub zone: Zone,
+    /// By side of the zone.
+    pub sides: Vec<ZoneSide>,
+}
+
+/// What a result was put together of: the numbers of the solutions, ascending.
+#[derive(Component, Clone, Debug, Default, PartialEq, Eq)]
+pub struct ComposedOf(pub Vec<u64>);
+
+/// Why pieces make no result: which of them is in the way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Misfit {
+    /// The piece, by index.
+    pub piece: usize,
+    /// What is wrong.
+    pub why: RemeshError,
+}
+
+/// What is left of `source` by all of `pieces`; `None` where there are none.
+///
+/// # Errors
+/// When a piece does not separate what stays from what goes, or nothing stays.
+pub fn compose(source: &LoopSurface, pieces: &[&Solved]) -> Result<Option<Arc<LoopSurface>>, Misfit> {
+    match pieces {
+        [] => Ok(None),
+        [all] if all.zone.is_none() => Ok(Some(Arc::clone(&all.surface))),
+        _ => Composer::new(source, pieces).compose().map(|surface| Some(Arc::new(surface))),
+    }
+}
+
+struct Composer<'a> {
+    source: &'a LoopSurface,
+    pieces: Vec<Piece<'a>>,
+    /// By face of the source: does a piece take its place?
+    taken: Vec<bool>,
+}
+
+/// One piece, by names of the source.
+struct Piece<'a> {
+    zone: &'a ZoneOf,
+    remeshed: &'a Remeshed,
+    surface: &'a LoopSurface,
+    /// By face of the piece: the face of the source that it still is, or [`NONE`].
+    still: Vec<u32>,
+}
+
+impl<'a> Piece<'a> {
+    fn new(solved: &'a Solved) -> Option<Self> {
+        let zone = &**solved.zone.as_ref()?;
+        let still = solved.remeshed.face_origin.iter().map(|origin| match origin {
+            FaceOrigin::Leaf { level: 0, code } => zone.zone.faces[code.root_face(0).index()].0,
+            _ => NONE,
+        });
+        Some(Self { zone, remeshed: &solved.remeshed, surface: &solved.surface, still: still.collect() })
+    }
+
+    /// The vertex of the source that a vertex of the piece is.
+    fn root(&self, v: VertexId) -> Option<VertexId> {
+        match self.remeshed.vertex_origin[v.index()] {
+            VertexOrigin::Root(root) => Some(self.zone.zone.vertices[root.index()]),
+            _ => None,
+        }
+    }
+}
+
+impl<'a> Composer<'a> {
+    fn new(source: &'a LoopSurface, pieces: &[&'a Solved]) -> Self {
+        let pieces: Vec<Piece<'a>> = pieces.iter().filter_map(|piece| Piece::new(piece)).collect();
+        let mut taken = vec![false; source.mesh.face_count()];
+        for piece in &pieces {
+            let mut gone: Vec<bool> = vec![true; piece.zone.zone.faces.len()];
+            for &still in piece.still.iter().filter(|&&still| still != NONE) {
+                if let Some(own) = piece.zone.zone.face(FaceId(still)) {
+                    gone[own.index()] = false;
+                }
+            }
+            for (face, _) in piece.zone.zone.faces.iter().zip(gone).filter(|(_, gone)| *gone) {
+                taken[face.index()] = true;
+            }
+        }
+        Self { source, pieces, taken }
+    }
+
+    fn compose(&self) -> Result<LoopSurface, Misfit> {
+        let all = Assembly::of(self, self.faces())?;
+        let dropped = self.beyond(&all)?;
+        if !dropped.contains(&true) {
+            return Ok(all.surface(self));
+        }
+        let left: Vec<Face> =
+            all.roster.faces.iter().zip(&dropped).filter(|(_, dropped)| !**dropped).map(|(&f, _)| f).collect();
+        if left.is_empty() {
+            return Err(Misfit { piece: self.pieces.len() - 1, why: RemeshError::NothingLeft });
+        }
+        Ok(Assembly::of(self, left)?.surface(self))
+    }
+
+    /// Faces of the source first, in their order; then the new ones, piece by piece.
+    fn faces(&self) -> Vec<Face> {
+        let own = (0..self.taken.len()).filter(|&f| !self.taken[f]).map(|f| Face::Source(f as u32));
+        let new = (0_u32..).zip(&self.pieces).flat_map(|(p, piece)| {
+            (0_u32..).zip(&piece.still).filter(|(_, still)| **still == NONE).map(move |(f, _)| Face::Piece(p, f))
+        });
+        own.chain(new).collect()
+    }
+
+    /// Which faces of the result lie beyond a curve of another piece.
+    fn beyond(&self, all: &Assembly) -> Result<Vec<bool>, Misfit> {
+        let mut dropped = vec![false; all.roster.faces.len()];
+        let mesh = &all.mesh;
+        for (p, piece) in self.pieces.iter().enumerate() {
+            let mut stack: Vec<FaceId> =
+                self.next_to_removed(piece).filter_map(|f| all.roster.face_of_source(f)).collect();
+            let mut reached = vec![false; all.roster.faces.len()];
+            while let Some(face) = stack.pop() {
+                if core::mem::replace(&mut reached[face.index()], true) {
+                    continue;
+                }
+                let of_piece = match all.roster.faces[face.index()] {
+                    Face::Source(f) => piece.zone.zone.face(FaceId(f)).is_some(),
+                    Face::Piece(other, _) => other as usize == p,
+                };
+                if of_piece {
+                    // What the piece keeps is reached from what it removes.
+                    let at = self.place(all, face);
+                    return Err(Misfit { piece: p, why: RemeshError::DoesNotSeparate { curve: 0, at } });
+                }
+                dropped[face.index()] = true;
+                stack.extend((0..3).filter_map(|c| mesh.twin(HalfedgeId::of(face, c))).map(HalfedgeId::face));
+            }
+        }
+        Ok(dropped)
+    }
+
+    /// Faces of the source beyond the zone of `piece`, across an edge of one that it has removed.
+    fn next_to_removed<'b>(&'b self, piece: &'b Piece<'a>) -> impl Iterator<Item = FaceId> + 'b {
+        let (mesh, zone) = (&self.source.mesh, &piece.zone.zone);
+        let removed = piece.remeshed.fates.iter().filter(|(level, _, fate)| (*level, *fate) == (0, Fate::Removed));
+        let removed = removed.map(|(_, code, _)| zone.faces[code.root_face(0).index()]);
+        removed
+            .flat_map(move |f| (0..3).filter_map(move |c| mesh.twin(HalfedgeId::of(f, c))))
+            .map(HalfedgeId::face)
+            .filter(move |&f| zone.face(f).is_none())
+    }
+
+    fn place(&self, all: &Assembly, face: FaceId) -> DVec3 {
+        let corners = all.mesh.face(face).map(|v| all.roster.point(self, v));
+        (corners[0] + corners[1] + corners[2]) / 3.0
+    }
+}
+
+/// The mesh of some faces.
+struct Assembly {
+    roster: Roster,
+    mesh: Arc<Connectivity>,
+}
+
+impl Assembly {
+    /// # Errors
+    /// [`RemeshError::NotManifold`], which pieces that end where the source goes on never are.
+    fn of(composer: &Composer<'_>, faces: Vec<Face>) -> Result<Self, Misfit> {
+        let roster = Roster::of(composer, faces);
+        let mesh = Connectivity::new(roster.vertex_count(), &roster.corners(composer));
+        let misfit = |faults| Misfit { piece: composer.pieces.len() - 1, why: RemeshError::NotManifold { faults } };
+        Ok(Self { roster, mesh: Arc::new(mesh.map_err(misfit)?) })
+    }
+
+    fn surface(&self, composer: &Composer<'_>) -> LoopSurface {
+        let points = (0..self.mesh.vertex_count()).map(|v| self.roster.point(composer, VertexId::new(v))).collect();
+        let (sides, details) = (self.sides(composer), self.details(composer));
+        let corner_rule = composer.source.corner_rule;
+        LoopSurface { mesh: Arc::clone(&self.mesh), points, sides, corner_rule, details }
+    }
+
+    fn sides(&self, composer: &Composer<'_>) -> Vec<Side> {
+        let source = composer.source;
+        let whole: Vec<bool> = source
+            .sides
+            .iter()
+            .map(|side| {
+                let mut faces = side.vertices[..side.edge_count()].iter().map(|&v| source.mesh.outgoing(v).face());
+                faces.all(|f| !composer.taken[f.index()])
+            })
+            .collect();
+        let mut sides = Vec::new();
+        for side in source.sides.iter().zip(&whole).filter(|(_, whole)| **whole).map(|(side, _)| side) {
+            let vertices: Option<Vec<VertexId>> = side.vertices.iter().map(|&v| self.roster.root(v)).collect();
+            sides.extend(vertices.map(|vertices| Side { vertices, ..side.clone() }));
+        }
+        for (p, piece) in (0_u32..).zip(&composer.pieces) {
+            for (s, side) in piece.surface.sides.iter().enumerate() {
+                let ours = match piece.side_of_zone(s) {
+                    None => true,
+                    Some(ZoneSide::Whole(of_source)) => !whole[of_source],
+                    Some(ZoneSide::Part | ZoneSide::Inside) => false,
+                };
+                let vertices =
+                    side.vertices.iter().map(|&v| self.roster.of_piece(composer, p, v)).collect::<Option<_>>();
+                sides.extend(vertices.filter(|_| ours).map(|vertices| Side { vertices, ..side.clone() }));
+            }
+        }
+        sides
+    }
+
+    fn details(&self, composer: &Composer<'_>) -> Details {
+        let source = composer.source;
+        let pieces = composer.pieces.iter().map(|piece| &piece.surface.details);
+        let levels = core::iter::once(&source.details).chain(pieces).map(|d| d.levels.len()).max().unwrap_or(0);
+        let at = |level: usize| {
+            let stored = |details: &'_ Details| details.levels.get(level).cloned().unwrap_or_default();
+            let own = FromSource(&self.roster);
+            // What lies in a zone comes with its piece.
+            let outside = stored(&source.details).into_iter().filter(|(address, _)| !composer.in_a_zone(*address));
+            let outside: Vec<_> = outside.collect();
+            let mut all = rename_details(&outside, &source.mesh, &self.mesh, &own);
+            for (p, piece) in (0_u32..).zip(&composer.pieces) {
+                let names = FromPiece { assembly: self, composer, piece: p };
+                all.extend(rename_details(&stored(&piece.surface.details), &piece.surface.mesh, &self.mesh, &names));
+            }
+            all.sort_unstable_by_key(|detail| detail.0);
+            // Where zones overlap both have the source's own.
+            all.dedup_by_key(|detail| detail.0);
+            all
+        };
+        Details { levels: (0..levels).map(at).collect() }
+    }
+}
+
+impl Composer<'_> {
+    fn in_a_zone(&self, address: Address) -> bool {
+        let mesh = &self.source.mesh;
+        self.pieces.iter().any(|piece| {
+            let zone = &piece.zone.zone;
+            match address {
+                Address::Corner(v) => zone.vertex(v).is_some(),
+                Address::Edge(e, _) => {
+                    let h = mesh.halfedge(e);
+                    [Some(h), mesh.twin(h)].into_iter().flatten().any(|h| zone.face(h.face()).is_some())
+                }
+                Address::Face(f, ..) => zone.face(f).is_some(),
+            }
+        })
+    }
+}
+
+impl Piece<'_> {
+    /// The side of the zone that side `s` of the piece still runs along; `None` on a curve.
+    fn side_of_zone(&self, s: usize) -> Option<ZoneSide> {
+        match self.remeshed.side_origin[s].line {
+            BorderLine::Side(of_zone) => self.zone.sides.get(of_zone).copied(),
+            BorderLine::Cut(_) => None,
+        }
+    }
+}
+
+struct FromSource<'a>(&'a Roster);
+
+impl Names for FromSource<'_> {
+    fn vertex(&self, v: VertexId) -> Option<VertexId> {
+        self.0.root(v)
+    }
+
+    fn face(&self, f: FaceId) -> Option<FaceId> {
+        self.0.face_of_source(f)
+    }
+}
+
+struct FromPiece<'a> {
+    assembly: &'a Assembly,
+    composer: &'a Composer<'a>,
+    piece: u32,
+}
+
+impl Names for FromPiece<'_> {
+    fn vertex(&self, v: VertexId) -> Option<VertexId> {
+        self.assembly.roster.of_piece(self.composer, self.piece, v)
+    }
+
+    fn face(&self, f: FaceId) -> Option<FaceId> {
+        self.assembly.roster.face_of_piece(&self.composer.pieces[self.piece as usize], self.piece, f)
+    }
+}

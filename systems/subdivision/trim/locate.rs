@@ -1,0 +1,184 @@
+//! # Locate: where the curves of a trim run on its source
+//!
+//! | reads | writes | after | before |
+//! | --- | --- | --- | --- |
+//! | the source's limit surface, the curves | the approximate pre-images | admit | remesh |
+//!
+//! One curve in a work quantum. The pre-image decides which faces go and which stay, and never where
+//! the new border lies, which is the curve itself.
+
+use std::sync::Arc;
+
+use bevy_ecs::prelude::Component;
+use glam::DVec3;
+use selvedge_components::curve::Curve;
+use selvedge_components::subdivision::FaceCode;
+use selvedge_components::subdivision::remesh::RemeshError;
+use selvedge_components::tolerance::Tolerance;
+use selvedge_components::trim::{TrimFault, TrimOptions, TrimQuantum, TrimStage};
+
+use super::ground::{Ground, diagonal};
+use super::zone::reserve;
+use crate::closest::Search;
+use crate::subdivision::region;
+use crate::subdivision::remesh::{Cut, PreImage, TraceOptions, trace_parts};
+
+/// Where no tolerance says how far a curve may lie off the surface: this part of the source's size.
+const OFF: f64 = 0.01;
+
+/// Steps along a curve while it is located, per edge of the cage.
+const STEPS_PER_EDGE: f64 = 8.0;
+
+/// A trim whose curves are known to run on its source.
+#[derive(Clone, Debug)]
+pub struct Located {
+    /// The curves.
+    pub cuts: Vec<Cut>,
+    /// For each part of a curve that lies on the source: the index of its cut, and where it runs.
+    pub parts: Vec<(usize, PreImage)>,
+    /// How the trim is made.
+    pub options: TrimOptions,
+    /// Its tolerance, if it has one.
+    pub tolerance: Option<Tolerance>,
+}
+
+/// A trim whose curves are being located. Lives as a component on it from then on: what it has found
+/// is derived, and losing it costs time and nothing else.
+#[derive(Component, Clone, Debug)]
+pub struct LocateWork {
+    ground: Arc<Ground>,
+    found: Arc<Located>,
+    next: usize,
+    rings: u32,
+    reserved: Vec<FaceCode>,
+}
+
+/// Rings around the faces that a curve runs through that it is first thought to change: faces as near
+/// as 1.2 of their size become finer, which are in two of them; the next closes them off, so its
+/// vertices change; the limit surface changes over one more, and what is fitted over that one and
+/// another. What needs more says so, and is done again.
+const RINGS: u32 = 5;
+
+impl LocateWork {
+    /// Begins to locate `cuts` on `ground`.
+    ///
+    /// # Errors
+    /// [`TrimFault::BadNumber`]; [`TrimFault::Remesh`] where there is no curve.
+    pub fn new(
+        ground: Arc<Ground>,
+        cuts: Vec<Cut>,
+        options: TrimOptions,
+        tolerance: Option<Tolerance>,
+    ) -> Result<Self, TrimFault> {
+        let positive = |what, value: f64| {
+            if value.is_finite() && value > 0.0 { Ok(()) } else { Err(TrimFault::BadNumber { what, value }) }
+        };
+        if let Some(tolerance) = tolerance {
+            positive("the tolerance of the fit", tolerance.fit)?;
+            positive("the tolerance of the curve", tolerance.curve)?;
+        }
+        if let Some(reach) = options.reach {
+            positive("the reach", reach)?;
+        }
+        if cuts.is_empty() {
+            return Err(RemeshError::NoCurves.into());
+        }
+        Ok(Self {
+            ground,
+            found: Arc::new(Located { cuts, parts: Vec::new(), options, tolerance }),
+            next: 0,
+            rings: RINGS,
+            reserved: Vec::new(),
+        })
+    }
+
+    /// The source that the curves run on.
+    pub const fn ground(&self) -> &Arc<Ground> {
+        &self.ground
+    }
+
+    /// What has been found so far: all of it once [`Self::advance`] says so.
+    pub const fn found(&self) -> &Arc<Located> {
+        &self.found
+    }
+
+    /// Locates the next curve; all of them located, [`TrimStage::Remesh`] is next.
+    ///
+    /// # Errors
+    /// When the curve misses the source, lies too far off, or has no usable pre-image.
+    pub fn advance(&mut self) -> Result<TrimQuantum, TrimFault> {
+        let index = self.next;
+        if let Some(Cut { curve, .. }) = self.found.cuts.get(index) {
+            let parts = self.locate(index, &**curve)?;
+            Arc::make_mut(&mut self.found).parts.extend(parts.into_iter().map(|part| (index, part)));
+            self.next += 1;
+        }
+        if self.next < self.found.cuts.len() {
+            return Ok(TrimQuantum::More);
+        }
+        self.reserve();
+        Ok(TrimQuantum::Next(TrimStage::Remesh))
+    }
+
+    /// The root faces that the trim may change, ascending, once it is located.
+    pub fn reserved(&self) -> &[FaceCode] {
+        &self.reserved
+    }
+
+    /// The trim changes more than is reserved: reserves one ring more.
+    pub fn widen(&mut self) {
+        self.rings += 1;
+        self.reserve();
+    }
+
+    fn reserve(&mut self) {
+        let (surface, images) = (&self.ground.surface, self.found.parts.iter().map(|(_, image)| image));
+        // A small reach refines the whole cage.
+        self.reserved = match self.found.options.reach {
+            Some(_) => region::whole(&surface.mesh, 0),
+            None => reserve(surface, images, self.rings),
+        };
+    }
+
+    /// Locates all curves.
+    ///
+    /// # Errors
+    /// As [`Self::advance`].
+    pub fn run(&mut self) -> Result<Arc<Located>, TrimFault> {
+        while self.advance()? == TrimQuantum::More {}
+        Ok(Arc::clone(&self.found))
+    }
+
+    fn locate(&self, index: usize, curve: &dyn Curve) -> Result<Vec<PreImage>, TrimFault> {
+        let limit = self.found.tolerance.map_or(OFF * self.ground.size, |t| t.curve);
+        let options = TraceOptions { curve: limit, step: self.ground.edge / STEPS_PER_EDGE };
+        let target = self.ground.target(Search::Everywhere);
+        let parts = trace_parts(&self.ground.surface.mesh, &target, curve, options)
+            .map_err(|source| RemeshError::PreImage { curve: index, source })?;
+        if parts.is_empty() {
+            return Err(self.miss(index, curve, limit));
+        }
+        if let Some(Tolerance { fit, .. }) = self.found.tolerance {
+            let points: Vec<DVec3> = parts.iter().flat_map(|part| &part.points).map(|p| p.position).collect();
+            let size = diagonal(&points);
+            if size < fit {
+                return Err(TrimFault::TooSmall { curve: index, size, at: points[0], tolerance: fit });
+            }
+        }
+        Ok(parts)
+    }
+
+    /// The curve does not meet the surface: how far off it is where it is nearest.
+    fn miss(&self, curve: usize, of: &dyn Curve, limit: f64) -> TrimFault {
+        const LOOKS: u32 = 64;
+        let (mut distance, mut u, mut at) = (f64::INFINITY, 0.0, of.position(0.0));
+        for look in (0..LOOKS).map(|k| f64::from(k) / f64::from(LOOKS)) {
+            let point = of.position(look);
+            let found = self.ground.index.closest(point).ok();
+            if let Some(found) = found.filter(|found| found.distance < distance) {
+                (distance, u, at) = (found.distance, look, point);
+            }
+        }
+        TrimFault::Misses { curve, u, at, distance, limit }
+    }
+}

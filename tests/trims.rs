@@ -1,0 +1,392 @@
+//! Trims in a world: a quantum a pass, together where they touch, taken back without a trace.
+
+mod support;
+
+use std::sync::Arc;
+
+use bevy_ecs::prelude::*;
+use glam::{DVec2, DVec3};
+use selvedge::curve::{Circle, Curve, FnCurve, Heading, SpaceCurve};
+use selvedge::diagnostics::SubdivisionDiagnostics;
+use selvedge::evaluate::{Evaluate, SurfacePoint};
+use selvedge::io::{Cage, Limits, obj};
+use selvedge::job::Cancelled;
+use selvedge::mesh::{Connectivity, FaceId};
+use selvedge::subdivision::remesh::RemeshError;
+use selvedge::subdivision::{ControlPoints, DetailOf, LoopSurface, Position, Snapshot};
+use selvedge::tolerance::Tolerance;
+use selvedge::trim::{
+    ResultOf, Stale, Trim, TrimFailed, TrimFault, TrimJob, TrimOptions, TrimReport, TrimState, TrimmedTo,
+};
+use selvedge::{despawn_surface, spawn_curve, spawn_surface, spawn_trim};
+use selvedge_systems::closest::SurfaceIndex;
+use selvedge_systems::projected_curve::{Pick, ProjectedCurve};
+use selvedge_systems::subdivision::limit::LimitSurface;
+use support::world::{bits, host};
+
+const TOLERANCE: f64 = 13e-6;
+
+fn plate() -> LoopSurface {
+    let polygons = obj::read(include_bytes!("../data/plates/plate8.obj"), &Limits::default()).expect("a plate");
+    let cage = Cage::from_polygons(polygons).expect("a cage");
+    let mesh = Arc::new(Connectivity::new(cage.positions.len(), &cage.triangles).expect("sound"));
+    let corners: Vec<_> = mesh.border_loops()[0].iter().copied().filter(|&v| mesh.valence(v) < 4).collect();
+    LoopSurface::plain(mesh, cage.positions, &corners)
+}
+
+/// A wavy plate of `n` by `n` squares of 5 cm.
+fn wide_plate(n: u32) -> LoopSurface {
+    let at = |i: u32| (f64::from(i) - 0.5 * f64::from(n)) * 0.05;
+    let points = (0..=n).flat_map(|i| (0..=n).map(move |j| (at(i), at(j))));
+    let points: Vec<DVec3> =
+        points.map(|(x, y)| DVec3::new(x, y, 0.006 * (11.0 * x).sin() * (9.0 * y).cos())).collect();
+    let name = |i: u32, j: u32| i * (n + 1) + j;
+    let squares = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+    let faces: Vec<[u32; 3]> = squares
+        .flat_map(|(i, j)| {
+            let [a, b, c, d] = [name(i, j), name(i + 1, j), name(i + 1, j + 1), name(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    let mesh = Arc::new(Connectivity::new(points.len(), &faces).expect("sound"));
+    let corners: Vec<_> = mesh.border_loops()[0].iter().copied().filter(|&v| mesh.valence(v) < 4).collect();
+    LoopSurface::plain(mesh, points, &corners)
+}
+
+/// The circle about `centre` on `surface`, seen from above.
+fn circle(surface: &LoopSurface, centre: DVec2, radius: f64) -> Arc<dyn Curve> {
+    let limit = LimitSurface::new(Arc::new(surface.clone())).expect("sound");
+    let index = Arc::new(SurfaceIndex::new(Arc::new(limit)).expect("finite"));
+    let above = Circle::new(centre.extend(0.1), DVec3::Z, radius).expect("a circle");
+    Arc::new(ProjectedCurve::new(Arc::new(above), DVec3::NEG_Z, index, Pick::First).expect("a direction"))
+}
+
+fn tolerance() -> Option<Tolerance> {
+    Some(Tolerance { fit: TOLERANCE, chord: TOLERANCE, curve: TOLERANCE })
+}
+
+/// A world with a plate and bores in it.
+struct Plate {
+    world: World,
+    schedule: Schedule,
+    source: Entity,
+    surface: LoopSurface,
+}
+
+impl Plate {
+    fn new() -> Self {
+        Self::of(plate())
+    }
+
+    fn of(surface: LoopSurface) -> Self {
+        let (mut world, schedule) = host();
+        let source = spawn_surface(&mut world, &surface);
+        Self { world, schedule, source, surface }
+    }
+
+    fn bore(&mut self, centre: DVec2, radius: f64) -> Entity {
+        let curve = spawn_curve(&mut self.world, circle(&self.surface, centre, radius));
+        self.cut(curve, Heading::Against)
+    }
+
+    fn cut(&mut self, curve: Entity, heading: Heading) -> Entity {
+        spawn_trim(&mut self.world, self.source, &[(curve, heading)], tolerance(), TrimOptions::default())
+    }
+
+    fn run(&mut self) {
+        self.schedule.run(&mut self.world);
+        self.world.clear_trackers();
+    }
+
+    /// Passes until no trim is at work. Returns how many.
+    fn settle(&mut self) -> u64 {
+        for passes in 1..10_000 {
+            self.run();
+            let mut jobs = self.world.query::<(Option<&TrimJob>, &Trim)>();
+            if jobs.iter(&self.world).all(|(job, _)| job.is_some_and(|job| !job.is_running())) {
+                self.run();
+                return passes;
+            }
+        }
+        panic!("trims do not end");
+    }
+
+    fn state(&self, trim: Entity) -> TrimState {
+        self.world.get::<TrimJob>(trim).expect("the trim was begun").state
+    }
+
+    fn report(&self, trim: Entity) -> &TrimReport {
+        if let Some(failed) = self.world.get::<TrimFailed>(trim) {
+            panic!("{failed}");
+        }
+        self.world.get::<TrimReport>(trim).expect("the trim is done")
+    }
+
+    fn failure(&self, trim: Entity) -> &TrimFault {
+        &self.world.get::<TrimFailed>(trim).expect("the trim has failed").why
+    }
+
+    fn result(&self) -> Option<&LoopSurface> {
+        let result = self.world.get::<TrimmedTo>(self.source)?;
+        Some(&self.world.get::<Snapshot>(result.0).expect("a result has a snapshot").surface)
+    }
+
+    fn details(&mut self) -> usize {
+        self.world.query::<&DetailOf>().iter(&self.world).count()
+    }
+
+    fn source_bits(&self) -> Vec<u64> {
+        bits(&self.world.get::<Snapshot>(self.source).expect("gathered").surface)
+    }
+}
+
+#[test]
+fn a_bore_leaves_a_result_beside_its_source() {
+    let mut plate = Plate::new();
+    plate.run();
+    let before = plate.source_bits();
+    let trim = plate.bore(DVec2::new(0.013, -0.007), 0.06);
+    plate.settle();
+    let report = plate.report(trim).clone();
+    assert!(report.audit.greatest().0 <= TOLERANCE);
+    assert_eq!(report.together, [trim]);
+    assert_eq!(plate.source_bits(), before, "the source is as it was");
+    assert_eq!(plate.details(), report.details, "counts are those of the world");
+    let result = plate.result().expect("a result");
+    assert_eq!(result.mesh.euler(), 0);
+    assert_eq!(result.details.count(), report.details);
+}
+
+#[test]
+fn nothing_happens_when_nothing_has_changed() {
+    let mut plate = Plate::new();
+    plate.bore(DVec2::ZERO, 0.05);
+    plate.settle();
+    let written = |plate: &Plate| {
+        let d = plate.world.resource::<SubdivisionDiagnostics>();
+        [d.admit, d.locate, d.remesh, d.refine, d.audit, d.compose, d.advance].map(|c| c.written)
+    };
+    let before = written(&plate);
+    let points = plate.world.get::<ControlPoints>(plate.source).expect("a surface").0.clone();
+    plate.world.get_mut::<Position>(points[3]).expect("a point").set_changed();
+    for _ in 0..3 {
+        plate.run();
+    }
+    assert_eq!(written(&plate), before);
+}
+
+#[test]
+fn an_edit_of_the_source_is_trimmed_anew() {
+    let mut plate = Plate::new();
+    let trim = plate.bore(DVec2::ZERO, 0.05);
+    plate.settle();
+    let before = bits(plate.result().expect("a result"));
+    let points = plate.world.get::<ControlPoints>(plate.source).expect("a surface").0.clone();
+    let old = *plate.world.get::<Position>(points[40]).expect("a point");
+    plate.world.get_mut::<Position>(points[40]).expect("a point").0.z += 1e-6;
+    plate.run();
+    let result = plate.world.get::<TrimmedTo>(plate.source).expect("a result").0;
+    assert!(plate.world.get::<Stale>(result).is_some(), "the last good result says that it is old");
+    plate.settle();
+    assert!(plate.world.get::<Stale>(result).is_none());
+    assert!(plate.report(trim).audit.greatest().0 <= TOLERANCE);
+    assert_ne!(bits(plate.result().expect("a result")), before);
+    *plate.world.get_mut::<Position>(points[40]).expect("a point") = old;
+    plate.run();
+    plate.settle();
+    assert_eq!(bits(plate.result().expect("a result")), before, "the way back leads to the same bits");
+}
+
+#[test]
+fn two_bores_leave_what_both_leave() {
+    let mut plate = Plate::new();
+    let first = plate.bore(DVec2::new(-0.09, 0.0), 0.04);
+    let second = plate.bore(DVec2::new(0.09, 0.02), 0.05);
+    plate.settle();
+    for trim in [first, second] {
+        assert!(plate.report(trim).audit.greatest().0 <= TOLERANCE);
+    }
+    assert_eq!(plate.result().expect("a result").mesh.euler(), -1);
+    // One is moved: the other stays.
+    let moved = circle(&plate.surface, DVec2::new(0.09, -0.03), 0.05);
+    let curve = plate.world.get::<Trim>(second).expect("a trim").cuts[0].curve;
+    *plate.world.get_mut::<SpaceCurve>(curve).expect("a curve") = SpaceCurve { curve: moved };
+    plate.run();
+    plate.settle();
+    assert_eq!(plate.result().expect("a result").mesh.euler(), -1);
+    plate.world.despawn(first);
+    plate.run();
+    plate.settle();
+    assert_eq!(plate.result().expect("a result").mesh.euler(), 0);
+    plate.world.despawn(second);
+    plate.run();
+    plate.run();
+    assert!(plate.result().is_none(), "what is left of a source without trims is the source");
+    assert_eq!(plate.details(), 0);
+    let mut results = plate.world.query::<&ResultOf>();
+    assert_eq!(results.iter(&plate.world).count(), 0);
+}
+
+#[test]
+fn a_cancelled_trim_leaves_no_trace() {
+    let mut plate = Plate::new();
+    let trim = plate.bore(DVec2::ZERO, 0.05);
+    for _ in 0..12 {
+        plate.run();
+    }
+    assert!(plate.state(trim).is_running());
+    plate.world.entity_mut(trim).insert(Cancelled);
+    plate.run();
+    assert!(plate.world.get::<TrimJob>(trim).is_none());
+    assert_eq!(plate.details(), 0);
+    assert!(plate.result().is_none());
+    plate.world.entity_mut(trim).remove::<Cancelled>();
+    plate.run();
+    plate.settle();
+    assert!(plate.report(trim).details > 0);
+}
+
+#[test]
+fn a_trim_that_fails_is_skipped_and_the_others_are_made() {
+    let mut plate = Plate::new();
+    let good = plate.bore(DVec2::ZERO, 0.05);
+    let away = plate.bore_in_the_air();
+    plate.settle();
+    assert!(matches!(plate.failure(away), TrimFault::Misses { .. } | TrimFault::Remesh(_)), "{}", plate.failure(away));
+    assert!(plate.report(good).audit.greatest().0 <= TOLERANCE);
+    assert_eq!(plate.result().expect("a result").mesh.euler(), 0);
+}
+
+impl Plate {
+    fn bore_in_the_air(&mut self) -> Entity {
+        let circle = Circle::new(DVec3::new(0.0, 0.0, 0.3), DVec3::Z, 0.05).expect("a circle");
+        let curve = spawn_curve(&mut self.world, Arc::new(circle));
+        self.cut(curve, Heading::Against)
+    }
+}
+
+#[test]
+fn what_cannot_be_trimmed_says_why() {
+    let mut plate = Plate::new();
+    let no_curve = plate.world.spawn_empty().id();
+    let no_curve = plate.cut(no_curve, Heading::Along);
+    let nan = spawn_curve(&mut plate.world, Arc::new(FnCurve::new(|_| DVec3::NAN)));
+    let nan = plate.cut(nan, Heading::Along);
+    let panics = spawn_curve(&mut plate.world, Arc::new(FnCurve::new(|u: f64| -> DVec3 { panic!("at {u}") })));
+    let panics = plate.cut(panics, Heading::Along);
+    let bad = plate.bore(DVec2::ZERO, 0.03);
+    plate.world.entity_mut(bad).insert(Tolerance { fit: -1.0, chord: 1.0, curve: 1.0 });
+    let small = plate.bore(DVec2::ZERO, 1e-6);
+    let curve = spawn_curve(&mut plate.world, circle(&plate.surface, DVec2::ZERO, 0.05));
+    let nowhere = plate.world.spawn_empty().id();
+    let no_source =
+        spawn_trim(&mut plate.world, nowhere, &[(curve, Heading::Against)], tolerance(), TrimOptions::default());
+    let nothing = spawn_trim(&mut plate.world, plate.source, &[], tolerance(), TrimOptions::default());
+    plate.settle();
+    assert!(matches!(plate.failure(no_curve), TrimFault::NoCurve { .. }));
+    assert!(matches!(plate.failure(nan), TrimFault::CurveFailed { .. }));
+    assert!(matches!(plate.failure(panics), TrimFault::CurveFailed { .. }));
+    assert!(matches!(plate.failure(bad), TrimFault::BadNumber { .. }));
+    assert!(matches!(plate.failure(small), TrimFault::TooSmall { .. }), "{}", plate.failure(small));
+    assert!(matches!(plate.failure(no_source), TrimFault::NoSource { .. }));
+    assert!(matches!(plate.failure(nothing), TrimFault::Remesh(_)));
+    assert!(plate.result().is_none());
+    despawn_surface(&mut plate.world, plate.source);
+    plate.run();
+    assert!(matches!(plate.failure(bad), TrimFault::NoSource { .. }));
+}
+
+/// What is looked at of a wide plate is a part of it; what that leaves is what all of it would.
+#[test]
+fn a_bore_far_from_everything_is_made_on_a_part_of_its_source() {
+    let mut plate = Plate::of(wide_plate(30));
+    let bore = plate.bore(DVec2::new(0.013, -0.007), 0.06);
+    plate.settle();
+    let report = plate.report(bore).clone();
+    assert!(report.cage.faces < plate.surface.mesh.face_count() / 2, "{:?}", report.cage);
+    let result = plate.result().expect("a result").clone();
+    assert_eq!(result.mesh.euler(), 0);
+    assert_eq!(result.sides.len(), 5);
+    assert!(selvedge_systems::check::surface_faults(&result, &Default::default()).is_empty());
+    // Again, with a reach so large that it means nothing but that all of the source is looked at.
+    plate.world.get_mut::<TrimOptions>(bore).expect("a trim").reach = Some(10.0);
+    plate.run();
+    plate.settle();
+    let whole = plate.result().expect("a result");
+    assert_eq!(result.mesh.faces().len(), whole.mesh.faces().len());
+    assert_eq!(result.details.count(), whole.details.count());
+    let limit = LimitSurface::new(Arc::new(result)).expect("sound");
+    let whole = LimitSurface::new(Arc::new(whole.clone())).expect("sound");
+    let whole = SurfaceIndex::new(Arc::new(whole)).expect("finite");
+    for f in 0..limit.face_count() {
+        for st in [DVec2::new(0.0, 0.0), DVec2::new(0.3, 0.4), DVec2::new(0.8, 0.1)] {
+            let x = limit.position(SurfacePoint { face: FaceId::new(f), st });
+            let off = whole.closest(x).expect("finite").distance;
+            assert!(off < 1e-12, "face {f}: {off:e} off at {x}");
+        }
+    }
+}
+
+#[test]
+fn bores_that_do_not_touch_are_made_side_by_side_and_stay_when_another_moves() {
+    let mut plate = Plate::of(wide_plate(40));
+    let places = [DVec2::new(-0.6, -0.6), DVec2::new(0.6, 0.55), DVec2::new(-0.55, 0.6)];
+    let bores = places.map(|at| plate.bore(at, 0.06));
+    plate.settle();
+    for bore in bores {
+        assert_eq!(plate.report(bore).together, [bore]);
+    }
+    let count: usize = bores.map(|bore| plate.report(bore).details).iter().sum();
+    assert_eq!((plate.details(), plate.result().expect("a result").details.count()), (count, count));
+    assert_eq!(plate.result().expect("a result").mesh.euler(), 1 - 3);
+    let reports = bores.map(|bore| plate.report(bore).clone());
+    let remeshed = plate.world.resource::<SubdivisionDiagnostics>().remesh.items;
+    let moved = circle(&plate.surface, DVec2::new(0.6, 0.5), 0.05);
+    let curve = plate.world.get::<Trim>(bores[1]).expect("a trim").cuts[0].curve;
+    *plate.world.get_mut::<SpaceCurve>(curve).expect("a curve") = SpaceCurve { curve: moved };
+    plate.run();
+    plate.settle();
+    assert_eq!(plate.report(bores[0]), &reports[0]);
+    assert_ne!(plate.report(bores[1]), &reports[1]);
+    assert_eq!(plate.report(bores[2]), &reports[2]);
+    let again = plate.world.resource::<SubdivisionDiagnostics>().remesh.items - remeshed;
+    assert_eq!(again, 2, "two quanta for the one that moved, none for the others");
+}
+
+/// A hole in a hole takes nothing away; a curve through the middle of everything takes half.
+#[test]
+fn what_lies_beyond_a_curve_far_away_goes_with_it() {
+    let mut plate = Plate::of(wide_plate(44));
+    let wide = plate.bore(DVec2::ZERO, 0.75);
+    let within = plate.bore(DVec2::new(0.02, -0.03), 0.06);
+    let beside = plate.bore(DVec2::new(0.93, 0.93), 0.06);
+    plate.settle();
+    for bore in [wide, within, beside] {
+        plate.report(bore);
+    }
+    let result = plate.result().expect("a result");
+    assert_eq!(result.mesh.euler(), -1);
+    assert_eq!(result.mesh.border_loops().len(), 3);
+    assert!(result.points.iter().zip(0..result.mesh.vertex_count()).all(|(p, _)| p.truncate().length() > 0.6));
+}
+
+#[test]
+fn a_meridian_of_a_torus_does_not_separate_it() {
+    let mut plate = Plate::of(support::world::torus(40, 20));
+    let limit = LimitSurface::new(Arc::new(plate.surface.clone())).expect("sound");
+    let index = Arc::new(SurfaceIndex::new(Arc::new(limit)).expect("finite"));
+    let around = Circle::new(DVec3::X, DVec3::Y, 0.6).expect("a circle");
+    let axis = Circle::new(DVec3::X, DVec3::Y, 1e-3).expect("a circle");
+    // From the axis of the tube outward, whatever its exact shape.
+    let meridian = move |u: f64| {
+        let (from, to) = (axis.position(u), around.position(u));
+        index.first_hit(from, to - from, [0.0, 1.0]).map_or(DVec3::NAN, |hit| hit.position)
+    };
+    let curve = spawn_curve(&mut plate.world, Arc::new(FnCurve::new(meridian).closed()));
+    let trim = plate.cut(curve, Heading::Along);
+    plate.settle();
+    let why = plate.failure(trim);
+    assert!(matches!(why, TrimFault::Remesh(RemeshError::DoesNotSeparate { .. })), "{why}");
+    assert!(plate.result().is_none());
+    assert_eq!(plate.details(), 0);
+}
