@@ -234,7 +234,10 @@ impl Case {
         let plane: Arc<dyn Curve> = outline(stratum.shape, &frame, size, draw)?;
         let curve =
             ProjectedCurve::new(plane.clone(), -frame.normal(), Arc::clone(&ground.index), Pick::Nearest).ok()?;
-        let drawn: Vec<DVec2> = (0..256).map(|k| frame.under(plane.position(f64::from(k) / 256.0))).collect();
+        let mut knots: Vec<f64> =
+            (0..256).map(|k| f64::from(k) / 256.0).chain(plane.corners().iter().copied()).collect();
+        knots.sort_by(f64::total_cmp);
+        let drawn: Vec<DVec2> = knots.into_iter().map(|u| frame.under(plane.position(u))).collect();
         lies_flat(ground, &curve, &*plane, &frame, size).then(|| {
             let cut = Cut { curve: Arc::new(curve), heading: Heading::Against };
             (cut, (frame, drawn, size))

@@ -166,6 +166,18 @@ impl TrimWork {
     /// Names the trim whose curve an error is about, and the curve as that trim counts its own.
     fn blame(&self, mut why: RemeshError) -> Blamed {
         let owners = self.owners();
+        if let RemeshError::Gap { curves, .. }
+        | RemeshError::Tangential { curves, .. }
+        | RemeshError::Coincident { curves, .. } = &mut why
+        {
+            // Of two that do not go together, the newer one is in the way.
+            let newer = owners.get(curves[1]).map(|owner| owner.0);
+            *curves = curves.map(|part| owners.get(part).map_or(part, |owner| owner.1));
+            return match newer {
+                Some(trim) => Blamed { trim, why: why.into() },
+                None => self.newest(why.into()),
+            };
+        }
         let blamed = match &mut why {
             RemeshError::PreImage { source: PreImageError::Crossing { curves, .. }, curve } => {
                 // Of two curves that cross, the newer one is in the way.
@@ -177,7 +189,10 @@ impl TrimWork {
             | RemeshError::Open { curve, .. }
             | RemeshError::DoesNotSeparate { curve, .. }
             | RemeshError::TooFine { curve, .. }
-            | RemeshError::NothingOnLeft { curve, .. }
+            | RemeshError::Tangled { curve, .. }
+            | RemeshError::Cusp { curve, .. }
+            | RemeshError::BorderGap { curve, .. }
+            | RemeshError::AlongBorder { curve, .. }
             | RemeshError::Unresolved { curve, .. } => {
                 let part = *curve;
                 Some((curve, part))
