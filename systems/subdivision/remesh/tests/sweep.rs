@@ -99,7 +99,7 @@ fn kind(why: &RemeshError) -> String {
 }
 
 /// Runs `count` cases and asserts that nine of ten are sound but for those that their curves forbid.
-/// The aim is 99 of 100; over 120 cases 95 to 98 are.
+/// The aim is 99 of 100; it is not reached: of 120 on globes 113 are sound and 2 forbidden.
 fn sweep(name: &str, grounds: &[Ground], seed: u64, count: usize, place: impl Fn(&mut Numbers) -> (DVec3, f64)) {
     let count = std::env::var("SELVEDGE_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(count);
     let mut numbers = Numbers(seed);
