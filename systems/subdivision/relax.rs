@@ -70,7 +70,7 @@ pub fn relax(curve: &dyn Curve, heading: Heading, knots: &mut [Slider], options:
             // The middle part, less what lies nearer to a neighbour than the least gap.
             let edge = edge.max(gap[i].min(0.5 * (after - before)));
             let (low, high) = (before + edge, after - edge);
-            if !(low <= high) {
+            if low > high || low.is_nan() || high.is_nan() {
                 // Its neighbours have lost their order, which no list of parameters will take.
                 continue;
             }

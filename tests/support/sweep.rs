@@ -189,12 +189,15 @@ impl Frame {
     }
 }
 
+/// A curve in its plane: points of it, and its size in model units.
+type Outline = (Frame, Vec<DVec2>, f64);
+
 /// One random trim: its curves, and what they are in their planes.
 pub struct Case {
     pub ground: Arc<Ground>,
     pub cuts: Vec<Cut>,
     pub tolerance: Tolerance,
-    outlines: Vec<(Frame, Vec<DVec2>, f64)>,
+    outlines: Vec<Outline>,
 }
 
 impl Case {
@@ -219,9 +222,9 @@ impl Case {
     fn hole(
         ground: &Arc<Ground>,
         stratum: &Stratum,
-        over: Option<&(Frame, Vec<DVec2>, f64)>,
+        over: Option<&Outline>,
         draw: &mut Draw,
-    ) -> Option<(Cut, (Frame, Vec<DVec2>, f64))> {
+    ) -> Option<(Cut, Outline)> {
         let size = stratum.sizes[0] * (stratum.sizes[1] / stratum.sizes[0]).powf(draw.unit()) * ground.edge;
         let frame = match over {
             // About a point of the earlier outline, so that the two cross.
@@ -297,8 +300,9 @@ fn outline(shape: Shape, frame: &Frame, size: f64, draw: &mut Draw) -> Option<Ar
         }
         Shape::Star => {
             let (tips, inner) = (3 + draw.below(4), draw.between(0.45, 0.75));
-            let corner =
-                |k: usize| at(if k % 2 == 0 { size } else { inner * size }, TAU * k as f64 / (2 * tips) as f64);
+            let corner = |k: usize| {
+                at(if k.is_multiple_of(2) { size } else { inner * size }, TAU * k as f64 / (2 * tips) as f64)
+            };
             let points: Vec<DVec3> = (0..2 * tips).map(corner).collect();
             Arc::new(Polyline::closed(points).ok()?)
         }

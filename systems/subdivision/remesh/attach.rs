@@ -315,9 +315,9 @@ fn space_out(track: &Track, strip: &mut Strip, widths: &[f64]) {
             let to = fixed[(k + 1) % fixed.len()];
             let count = if to > from { to - from } else { to + n - from };
             let end = along[to] + round;
-            // A corner seen a round early or late.
-            let end = along[from] + (end - along[from]).rem_euclid(length);
-            let end = if end <= along[from] { end + length } else { end };
+            // A corner seen a round early or late; one alone is a whole round from itself.
+            let way = if fixed.len() == 1 { length } else { (end - along[from]).rem_euclid(length) };
+            let end = along[from] + if way > 0.0 { way } else { length };
             let mut piece: Vec<f64> = (0..count).map(|j| along[(from + j) % n]).collect();
             piece.iter_mut().skip(1).for_each(|x| *x -= ((*x - 0.5 * (along[from] + end)) / length).round() * length);
             piece.push(end);

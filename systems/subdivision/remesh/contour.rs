@@ -301,7 +301,7 @@ fn stretches(track: &Track, crossings: &[Crossing], meetings: &[Meeting]) -> Res
             let [from, to] = [pair[0], pair[1]];
             let p = &track.points[from.near.segment as usize];
             // Places so near to each other that they come in another order in space.
-            if !(from.t < to.t) {
+            if from.t >= to.t || from.t.is_nan() || to.t.is_nan() {
                 return Err(RemeshError::Tangled { curve: p.curve as usize, u: from.u, at: p.position });
             }
             let span =

@@ -65,14 +65,14 @@ pub(super) fn meet(
     let gap = point.distance(lines[1].position(t[1]));
     let u = ends.map(|end| end.1);
     let angle = angle(&lines, t).to_degrees();
-    if !(angle >= options.angle) {
+    if angle < options.angle || angle.is_nan() {
         let along = along_each_other(&lines, t, track, crossing);
         return Err(match along {
             Some(distance) => RemeshError::Coincident { curves: indices, u, at: point, distance },
             None => RemeshError::Tangential { curves: indices, u, at: point, angle, limit: options.angle },
         });
     }
-    if !(gap <= options.gap) {
+    if gap > options.gap || gap.is_nan() {
         return Err(RemeshError::Gap { curves: indices, u, at: point, gap, limit: options.gap });
     }
     Ok(Meeting { junction: Junction { point, ends, gap }, t })
@@ -107,10 +107,10 @@ pub(super) fn leave(
     let (on_border, on_cut) = (lines[0].position(t[0]), lines[1].position(t[1]));
     let (gap, u, at) = (on_border.distance(on_cut), ends[1].1, on_border);
     let angle = angle(&lines, t).to_degrees();
-    if !(angle >= options.angle) {
+    if angle < options.angle || angle.is_nan() {
         return Err(RemeshError::AlongBorder { curve, u, at, angle, limit: options.angle });
     }
-    if !(gap <= options.gap) {
+    if gap > options.gap || gap.is_nan() {
         return Err(RemeshError::BorderGap { curve, u, at, gap, limit: options.gap });
     }
     // A straight side stays plain: it has no samples, so the cut gives the bits.

@@ -23,7 +23,7 @@ use crate::closest::Search;
 use crate::subdivision::fit::FitWork;
 use crate::subdivision::region;
 use crate::subdivision::relax::shape;
-use crate::subdivision::remesh::{self, Cut, FaceOrigin, PreImage, RemeshOptions, Remeshed};
+use crate::subdivision::remesh::{self, Cut, FaceOrigin, JunctionOptions, PreImage, RemeshOptions, Remeshed};
 
 /// Trims in progress that are made together: all their dense state, but for that of their fit.
 ///
@@ -136,7 +136,8 @@ impl TrimWork {
             self.prepare().map_err(|why| self.newest(why))?;
             return Ok(TrimQuantum::More);
         }
-        let options = RemeshOptions { reach: self.options.reach, ..RemeshOptions::default() };
+        let junctions = self.tolerance.map_or_else(JunctionOptions::default, |t| JunctionOptions::within(t.fit));
+        let options = RemeshOptions { reach: self.options.reach, junctions, ..RemeshOptions::default() };
         let (cuts, images): (Vec<Cut>, Vec<PreImage>) = self.parts().map(|(c, p)| (c.clone(), p.clone())).unzip();
         let remeshed = remesh::remesh(&self.ground.surface, &cuts, &images, &options).map_err(|why| self.blame(why))?;
         if !self.keeps_to_its_zone(&remeshed) {
