@@ -84,7 +84,9 @@ mod peer {
             }
             let mut heights = Vec::new();
             for _ in 0..n * m {
-                (next()?, next()?);
+                // Its place in the plane, which is known.
+                next()?;
+                next()?;
                 heights.push(next()?);
             }
             Ok(Self { knots, counts: [n, m], heights })

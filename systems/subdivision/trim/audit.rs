@@ -6,7 +6,7 @@
 //! samples are such points, and lie as near to the result as the samples to them. Borders are
 //! compared with the curves themselves; edges, loops and pieces are counted.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 use selvedge_components::curve::Traversal;
@@ -16,6 +16,7 @@ use selvedge_components::subdivision::{Border, FaceCode, LoopSurface};
 use selvedge_components::trim::{TrimAudit, TrimAuditFault, TrimFault, TrimOptions, TrimQuantum};
 
 use super::ground::Ground;
+use crate::closest::SurfaceIndex;
 use crate::foot;
 use crate::parallel::map_in_order;
 use crate::subdivision::limit::LimitSurface;
@@ -30,7 +31,9 @@ pub struct TrimAuditWork {
     ground: Arc<Ground>,
     remeshed: Arc<Remeshed>,
     surface: Arc<LoopSurface>,
-    limit: LimitSurface,
+    limit: Arc<LimitSurface>,
+    /// The result, ready to be searched everywhere: made when steps from a near place find no foot.
+    searched: OnceLock<Option<SurfaceIndex<LimitSurface>>>,
     /// The distance allowed, if one was asked for.
     allowed: Option<f64>,
     /// A foot as near as this is taken for the right one; one that is farther is sought elsewhere, too.
@@ -60,7 +63,8 @@ impl TrimAuditWork {
         let found = TrimAudit::default();
         // Without a tolerance, what is a thousandth of an edge off is looked at twice.
         let near = allowed.map_or(1e-3 * ground.edge, |allowed| 0.5 * allowed);
-        Ok(Self { ground, remeshed, surface, limit, allowed, near, samples, seed, omega, measured: 0, found })
+        let (limit, searched) = (Arc::new(limit), OnceLock::new());
+        Ok(Self { ground, remeshed, surface, limit, searched, allowed, near, samples, seed, omega, measured: 0, found })
     }
 
     /// What is measured.
@@ -105,33 +109,39 @@ impl TrimAuditWork {
         for _ in 0..self.samples {
             let weights = draw.weights();
             let x = self.limit.position(SurfacePoint::new(face, weights[1], weights[2]));
-            // The places that stand for the corners, the nearest first.
-            let mut starts = [0, 1, 2];
-            starts.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
-            let starts = starts.map(|c: usize| self.remeshed.natural[corners[c].index()]);
-            let off = self.off(&**source, &self.ground.surface.mesh, &starts, x);
+            // The place that stands for the nearest corner.
+            let heaviest = (1..3).fold(0, |best, c| if weights[c] > weights[best] { c } else { best });
+            let start = self.remeshed.natural[corners[heaviest].index()];
+            let off = self.to_source(start, x);
             farther(&mut found, &TrimAudit { to_source: off, to_source_at: x, samples: 1, ..TrimAudit::default() });
             if let FaceOrigin::Leaf { level, code } = origin {
                 let y = source.position(on_root(level, code, draw.weights_near(weights)));
-                let starts = [SurfacePoint::new(face, weights[1], weights[2])];
-                let off = self.off(&self.limit, &self.surface.mesh, &starts, y);
+                let off = self.to_result(SurfacePoint::new(face, weights[1], weights[2]), y);
                 farther(&mut found, &TrimAudit { to_result: off, to_result_at: y, samples: 1, ..TrimAudit::default() });
             }
         }
         found
     }
 
-    /// The distance of `x` to a surface, from the first of `starts`; where that leads to no near foot,
-    /// from the others, and from all over the faces around them.
-    fn off(&self, surface: &dyn Evaluate, mesh: &Connectivity, starts: &[SurfacePoint], x: DVec3) -> f64 {
-        let first = foot::distance(surface, mesh, starts.iter().take(1).copied(), x, 0.0);
-        if first <= self.near {
-            return first;
+    /// The distance of a point of the result to the source: by steps from `start`, or if those lead to
+    /// no near foot, by a search everywhere.
+    fn to_source(&self, start: SurfacePoint, x: DVec3) -> f64 {
+        let off = foot::distance(&**self.ground.limit(), &self.ground.surface.mesh, [start], x, 0.0);
+        if off <= self.near {
+            return off;
         }
-        let around = starts.iter().flat_map(|start| mesh.face(start.face)).flat_map(|v| mesh.ring(v));
-        let all_over = around.flat_map(|h| foot::AROUND.map(|w| SurfacePoint::new(h.face(), w[1], w[2])));
-        let others = starts.iter().skip(1).copied().chain(all_over);
-        first.min(foot::distance(surface, mesh, others, x, self.near))
+        self.ground.index.closest(x).map_or(off, |found| off.min(found.distance))
+    }
+
+    /// The distance of a point of the source to the result, likewise.
+    fn to_result(&self, start: SurfacePoint, y: DVec3) -> f64 {
+        let off = foot::distance(&*self.limit, &self.surface.mesh, [start], y, 0.0);
+        if off <= self.near {
+            return off;
+        }
+        let index = self.searched.get_or_init(|| SurfaceIndex::new(Arc::clone(&self.limit)).ok());
+        let found = index.as_ref().and_then(|index| index.closest(y).ok());
+        found.map_or(off, |found| off.min(found.distance))
     }
 
     fn judge_distances(&self, faults: &mut Vec<TrimAuditFault>) {
