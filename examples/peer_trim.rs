@@ -217,6 +217,8 @@ mod peer {
         }
         let reports: Vec<&TrimReport> = trims.iter().filter_map(|&t| world.get(t)).collect();
         let failed = trims.iter().filter(|&&t| world.get::<TrimFailed>(t).is_some()).count();
+        let failures = trims.iter().filter_map(|&trim| world.get::<TrimFailed>(trim));
+        failures.for_each(|failed| println!("failure {failed}"));
         let greatest = reports.iter().map(|r| r.audit.greatest().0).fold(0.0, f64::max);
         let together = reports.iter().map(|r| r.together.len()).max().unwrap_or(0);
         println!("failed {failed}\nachieved_um {:.3}\nlargest_group {together}", greatest * 1e6);

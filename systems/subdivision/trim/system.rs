@@ -465,7 +465,14 @@ pub fn advance_trims(
             Step::Fail(why) => {
                 let ladder = fit.map_or_else(Vec::new, |fit| fit.ladder().to_vec());
                 let together = if job.together.is_empty() { vec![entity] } else { job.together.clone() };
-                let blamed = job.blamed.take().filter(|trim| together.contains(trim));
+                let (nearest, why) = match work {
+                    Some(work) => {
+                        let Blamed { trim, why } = work.nearest(why);
+                        (together.get(trim).copied(), why)
+                    }
+                    None => (None, why),
+                };
+                let blamed = job.blamed.take().or(nearest).filter(|trim| together.contains(trim));
                 let blamed = blamed.or(together.last().copied()).unwrap_or(entity);
                 ends.push((together, End::Failed(blamed, TrimFailed { why, ladder })));
             }

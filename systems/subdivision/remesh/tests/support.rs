@@ -62,29 +62,6 @@ pub fn plate8() -> LoopSurface {
     surface(points, &faces, &[0, 8, 72, 80])
 }
 
-/// The control cage of a cow, its quadrangles halved.
-pub fn spot() -> LoopSurface {
-    let text = include_str!("../../../../data/cages/spot_control_mesh.obj");
-    let (mut points, mut faces) = (Vec::new(), Vec::new());
-    for line in text.lines() {
-        let mut words = line.split_whitespace();
-        match words.next() {
-            Some("v") => {
-                let x: Vec<f64> = words.map(|w| w.parse().expect("a number")).collect();
-                points.push(DVec3::from_slice(&x));
-            }
-            Some("f") => {
-                let v: Vec<u32> = words
-                    .map(|w| w.split('/').next().and_then(|w| w.parse::<u32>().ok()).expect("an index") - 1)
-                    .collect();
-                faces.extend((1..v.len() - 1).map(|k| [v[0], v[k], v[k + 1]]));
-            }
-            _ => {}
-        }
-    }
-    surface(points, &faces, &[])
-}
-
 /// A sphere-like cage: poles of valence `n` and `rows` rings between.
 pub fn globe(n: u32, rows: u32) -> LoopSurface {
     let mut points = vec![DVec3::Z, -DVec3::Z];

@@ -12,7 +12,7 @@ use selvedge_components::target::Target;
 
 use super::super::*;
 use super::judge::{judge_union, picture};
-use super::support::{Laid, Numbers, Walker, circle, globe, plate8, polygon, spot};
+use super::support::{Laid, Numbers, Walker, circle, globe, plate8, polygon};
 
 type Plane = Box<dyn Fn(f64) -> DVec2 + Send + Sync>;
 
@@ -163,16 +163,4 @@ fn random_curves_that_cross_on_globes_leave_a_sound_cage() {
         (DVec3::from_array(at), numbers.between(0.2, 0.5))
     };
     sweep("globe", &grounds, 37, 12, place);
-}
-
-#[test]
-#[ignore = "minutes: closest points on a cow by brute force"]
-fn random_curves_that_cross_on_spot_leave_a_sound_cage() {
-    let surface = spot();
-    let points = surface.points.clone();
-    let place = move |numbers: &mut Numbers| {
-        let v = (numbers.next() * points.len() as f64) as usize;
-        (points[v], numbers.between(0.1, 0.3))
-    };
-    sweep("spot", &[Ground::new(surface)], 41, 12, place);
 }
