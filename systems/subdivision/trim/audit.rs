@@ -12,7 +12,7 @@ use glam::DVec3;
 use selvedge_components::curve::Traversal;
 use selvedge_components::evaluate::{Evaluate, SurfacePoint};
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
-use selvedge_components::subdivision::{Border, FaceCode, LoopSurface};
+use selvedge_components::subdivision::{Border, Ends, FaceCode, LoopSurface};
 use selvedge_components::trim::{TrimAudit, TrimAuditFault, TrimFault, TrimOptions, TrimQuantum};
 
 use super::ground::Ground;
@@ -167,7 +167,9 @@ impl TrimAuditWork {
             let along = Traversal { first: *first, heading: *heading };
             // Vertices of the side, and places two levels below, through the evaluator.
             for level in [0, 2] {
-                for step in 0..(side.edge_count() as u64) << level {
+                // Where a side begins at a corner, the older of the two that meet gives the bits.
+                let first_step = u64::from(side.ends == Ends::Corners);
+                for step in first_step..(side.edge_count() as u64) << level {
                     let u = curve.parameter(level, along.vertex(curve, level, step));
                     let (edge, part) = ((step >> level) as usize, step & ((1 << level) - 1));
                     let ends = [edge, (edge + 1) % side.vertices.len()].map(|i| side.vertices[i]);

@@ -95,7 +95,9 @@ pub fn admit_trims(
         let admitted = admit_source(&mut commands, (*source, trims), before, &reads, &mut run.counted);
         freed.extend(admitted.refused.iter().chain(admitted.starts.iter().map(|(trim, _)| trim)));
         starts.extend(admitted.starts.into_iter().map(|(trim, inputs)| (*source, trim, inputs)));
-        if admitted.settled {
+        // Only then can the groups be other ones.
+        let regroup = admitted.changed || trims.iter().any(|t| t.5.is_some_and(|job| job.state == TrimState::Located));
+        if admitted.settled && regroup {
             freed.extend(begin_groups(&mut commands, trims, &mut run.counted));
         }
     }
@@ -142,6 +144,8 @@ struct Admitted {
     refused: Vec<Entity>,
     /// Is every one that can be made located?
     settled: bool,
+    /// Has anything about the trims changed?
+    changed: bool,
 }
 
 fn admit_source(
@@ -155,7 +159,7 @@ fn admit_source(
     let candidates: Vec<_> = trims.iter().map(|trim| candidate(trim, surface.as_ref(), reads)).collect();
     let changed = anything_changed(&candidates, before);
     let gathered = if matches!(surface, Some((None, None, _))) { Source::Ungathered } else { Source::Known };
-    let mut admitted = Admitted { starts: Vec::new(), refused: Vec::new(), settled: true };
+    let mut admitted = Admitted { starts: Vec::new(), refused: Vec::new(), settled: true, changed };
     for candidate in candidates {
         let verdict = verdict(&candidate, gathered, changed);
         counted.skipped += u64::from(verdict == Verdict::Keep);
