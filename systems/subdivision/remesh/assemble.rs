@@ -126,7 +126,9 @@ pub(super) fn assemble(work: &Work<'_>, relaxed: Vec<Relaxed>) -> Result<Remeshe
     let names = parts.name_vertices(work);
     let vertex_count = parts.vertices.len();
     let mesh = manifold(vertex_count, &parts.triangles)?;
-    let may = parts.flippable(work, &mesh);
+    // Only among vertices that are not as they were: the clean-up takes nothing else along.
+    let mut may = vec![false; vertex_count];
+    changed(work, &parts, &mesh).into_iter().for_each(|v| may[v.index()] = true);
     // The strips come last and are not flipped: the vertices on their curves are border vertices.
     let flipped = cleanup::clean_up(mesh, &mut parts.triangles, &parts.limit, |v| may[v as usize]);
     for &f in &flipped {
@@ -241,23 +243,6 @@ impl Parts {
         }
         self.limit = self.vertices.iter().map(|&v| limit(work, v)).collect();
         names
-    }
-
-    /// Vertices that the clean-up may give other edges: those of refined faces and of the rims, and
-    /// their neighbours.
-    fn flippable(&self, work: &Work<'_>, mesh: &Connectivity) -> Vec<bool> {
-        let touched = |v: usize| match self.vertices[v] {
-            Vertex::Knot(..) => true,
-            Vertex::Lattice(l) => work.adapted.vertices[l as usize].birth > work.base,
-        };
-        let mut own: Vec<bool> = (0..self.vertices.len()).map(touched).collect();
-        for (triangle, _) in
-            self.triangles.iter().zip(&self.origins).filter(|(_, o)| matches!(o, FaceOrigin::Strip { .. }))
-        {
-            triangle.iter().for_each(|&v| own[v as usize] = true);
-        }
-        let near = |v: usize| own[v] || mesh.neighbours(VertexId::new(v)).any(|n| own[n.index()]);
-        (0..own.len()).map(near).collect()
     }
 
     /// Control points. Those of kept root vertices are the source's own; finer ones have the details
