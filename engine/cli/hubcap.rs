@@ -4,6 +4,7 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use selvedge_components::subdivision::LoopSurface;
 use selvedge_components::triangles::Triangles;
@@ -13,7 +14,7 @@ use selvedge_systems::triangulate::{Density, TriangulateOptions, triangulate};
 use super::limit::write_glb;
 use crate::io::obj;
 use crate::scenes::trims::{Scene, Settings, subjects};
-use crate::{Engine, TrimProgress};
+use crate::{Engine, Pass, Stalled, TrimProgress};
 
 /// The distance asked for, in metres.
 const TOLERANCE: f64 = 1e-6;
@@ -24,7 +25,7 @@ const CHORD: f64 = 2e-5;
 pub(super) fn run(out: &Path) -> Result<(), Box<dyn Error>> {
     let scene = subjects::hubcap()?;
     let settings = Settings::within(TOLERANCE);
-    let (surface, report) = match trim(&scene, &settings) {
+    let (surface, report, passes) = match trim(&scene, &settings) {
         Ok(done) => done,
         Err(Failure::Trim(why)) => {
             #[cfg(feature = "diagram")]
@@ -33,7 +34,7 @@ pub(super) fn run(out: &Path) -> Result<(), Box<dyn Error>> {
         }
         Err(Failure::Other(why)) => return Err(why),
     };
-    let lines = lines(&scene, &report);
+    let lines = lines(&scene, &report, &passes);
     lines.iter().for_each(|line| println!("{line}"));
     fs::write(out.join("hubcap.txt"), lines.join("\n") + "\n")?;
     write(out, &surface)?;
@@ -48,7 +49,7 @@ enum Failure {
 }
 
 /// The surface, the curves and the trim are entities; the engine takes passes.
-fn trim(scene: &Scene, settings: &Settings) -> Result<(Arc<LoopSurface>, TrimReport), Failure> {
+fn trim(scene: &Scene, settings: &Settings) -> Result<(Arc<LoopSurface>, TrimReport, Passes), Failure> {
     let other = |why: &str| Failure::Other(why.into());
     let mut engine = Engine::new();
     let source = engine.spawn_surface(&scene.ground.surface);
@@ -57,19 +58,47 @@ fn trim(scene: &Scene, settings: &Settings) -> Result<(Arc<LoopSurface>, TrimRep
         let curves: Vec<_> = cuts.iter().map(|cut| (engine.spawn_curve(Arc::clone(&cut.curve)), cut.heading)).collect();
         last = Some(engine.spawn_trim(source, &curves, settings.tolerance, settings.options.clone()));
     }
-    let passes = engine.settle().map_err(|why| Failure::Other(why.into()))?;
+    let passes = Passes::of(&mut engine).map_err(|why| Failure::Other(why.into()))?;
     let last = last.ok_or_else(|| other("the scene has no trim"))?;
     let report = match engine.trim_progress(last) {
         Some(TrimProgress::Finished(report)) => *report,
         Some(TrimProgress::Failed(failed)) => return Err(Failure::Trim(failed.why)),
-        unfinished => return Err(other(&format!("the trim is {unfinished:?} after {passes} passes"))),
+        unfinished => return Err(other(&format!("the trim is {unfinished:?} after {} passes", passes.count))),
     };
     let result = engine.result(source).and_then(|result| engine.surface(result));
     let Some(Ok(surface)) = result else { return Err(other("the trim has no result")) };
-    Ok((Arc::clone(surface), report))
+    Ok((Arc::clone(surface), report, passes))
 }
 
-fn lines(scene: &Scene, report: &TrimReport) -> Vec<String> {
+/// How long passes have taken: what a host that draws in between has to wait for.
+#[derive(Debug, Default)]
+struct Passes {
+    count: u64,
+    sum: Duration,
+    longest: Duration,
+}
+
+impl Passes {
+    /// Runs passes until nothing is left to do.
+    fn of(engine: &mut Engine) -> Result<Self, Stalled> {
+        let mut passes = Self::default();
+        loop {
+            let start = Instant::now();
+            let pass = engine.update();
+            let took = start.elapsed();
+            passes.count += 1;
+            passes.sum += took;
+            passes.longest = passes.longest.max(took);
+            if pass == Pass::Idle {
+                // Jobs that no system moves would be found here.
+                engine.settle()?;
+                return Ok(passes);
+            }
+        }
+    }
+}
+
+fn lines(scene: &Scene, report: &TrimReport, passes: &Passes) -> Vec<String> {
     let cuts: usize = scene.trims.iter().map(Vec::len).sum();
     let mut lines = vec![format!("{}: {cuts} curves cut from a disc of 0.4 m, within {TOLERANCE:e} m", scene.name)];
     lines.extend(report.initial.map(|rung| format!("  before any detail: max {:.3e} m", rung.max)));
@@ -88,6 +117,13 @@ fn lines(scene: &Scene, report: &TrimReport) -> Vec<String> {
     lines.push(format!(
         "  cage: {} faces, {} of them beyond reach, valence up to {}, worst shape {:.3}",
         cage.faces, cage.outside, cage.greatest_valence, cage.worst_shape
+    ));
+    let milliseconds = |time: Duration| 1e3 * time.as_secs_f64();
+    lines.push(format!(
+        "  {} passes, {:.0} ms in all, the longest {:.1} ms",
+        passes.count,
+        milliseconds(passes.sum),
+        milliseconds(passes.longest)
     ));
     lines
 }
