@@ -143,7 +143,7 @@ pub fn in_piece(s: f64, t: f64, regular: u64) -> (u64, f64, f64) {
 
     // Left behind at the depth where doubling has brought their sum to above a half. The exponent of
     // what comes before the sum says how often that is; a half itself is below.
-    let exponent = ((a + b).max(NEAREST).min(0.5).to_bits() - 1) >> 52;
+    let exponent = ((a + b).clamp(NEAREST, 0.5).to_bits() - 1) >> 52;
     let exponent = if whole { DEPTH_0 } else { exponent };
     let depth = DEPTH_0 - exponent;
     let doubled = f64::from_bits((1024 + DEPTH_0 - exponent) << 52);
