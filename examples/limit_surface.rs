@@ -1,7 +1,10 @@
 //! You will see a control cage from a file become its limit surface, within a chord of a thousandth of
 //! its size, with what the file format costs; GLB, OBJ and a picture go to `out/`. Takes a path to an
 //! OBJ or GLB file (Spot without one); `--json` prints the figures.
-#![expect(clippy::print_stdout, reason = "an example talks to its user")]
+
+#[macro_use]
+#[path = "../engine/cli/say.rs"]
+mod say;
 
 use std::error::Error;
 use std::fs;
@@ -44,9 +47,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         "worst_shape": made.report.worst_shape, "file_error": file.objects[0].error, "seconds": seconds,
     });
     if flags.iter().any(|flag| flag == "--json") {
-        println!("{}", serde_json::json!([row]));
+        say!("{}", serde_json::json!([row]));
     } else {
-        println!("{row:#}");
+        say!("{row:#}");
     }
     Ok(())
 }
