@@ -44,6 +44,7 @@ pub(super) fn write_limit(cage: &Cage, density: Density, out: &Path, name: &str)
         triangles.triangles.len(),
         report.worst_shape,
     );
+    say!("  {} corners of the border kept", cage.corners.len());
     for what in &cage.import.unkept {
         say!("  not kept: {what}");
     }
