@@ -2,7 +2,10 @@
 //! 13 um, 1 um and 10 nm; the same in a plate sixteen times as large, also with a bound on how far
 //! anything may change; in `out/` the stages of remeshing, the points that correspond anew, where each
 //! level works, and error maps. `--json` prints the figures; `--levels`, `--eps`, `--reach` ask otherwise.
-#![expect(clippy::print_stdout, reason = "an example talks to its user")]
+
+#[macro_use]
+#[path = "../engine/cli/say.rs"]
+mod say;
 
 use std::error::Error;
 
@@ -73,10 +76,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         rows.push(TrimRow::of(&run(&scene, &settings)?, &settings)?);
     }
     if asked.json {
-        println!("{}", TrimRow::json(&rows)?);
+        say!("{}", TrimRow::json(&rows)?);
         return Ok(());
     }
-    rows.iter().flat_map(TrimRow::lines).for_each(|line| println!("{line}"));
+    rows.iter().flat_map(TrimRow::lines).for_each(|line| say!("{line}"));
     std::fs::create_dir_all("out")?;
     let small = run(&subjects::bore8()?, &Settings::within(1e-6))?;
     stages::figure(&small)?.save("out/bore_stages.png")?;

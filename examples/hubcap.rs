@@ -1,7 +1,10 @@
 //! You will see a contoured disc trimmed into a hubcap: eleven curves with rounded and sharp corners in
 //! one trim, its error ladder down to level 3 and down to 1 um; in `out/` the hubcap with its cages, the
 //! stages, error maps of every level and the ladder. `--json` prints the figures.
-#![expect(clippy::print_stdout, reason = "an example talks to its user")]
+
+#[macro_use]
+#[path = "../engine/cli/say.rs"]
+mod say;
 
 use std::error::Error;
 
@@ -16,10 +19,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (all, adaptive) = (run(&scene, &levels)?, run(&scene, &within)?);
     let rows = [TrimRow::of(&all, &levels)?, TrimRow::of(&adaptive, &within)?];
     if std::env::args().any(|arg| arg == "--json") {
-        println!("{}", TrimRow::json(&rows)?);
+        say!("{}", TrimRow::json(&rows)?);
         return Ok(());
     }
-    rows.iter().flat_map(TrimRow::lines).for_each(|line| println!("{line}"));
+    rows.iter().flat_map(TrimRow::lines).for_each(|line| say!("{line}"));
     std::fs::create_dir_all("out")?;
     let view = View::from_angles(-70.0, 46.0);
     views::figure(&adaptive, &view, Frame::new(900, 720))?.save("out/hubcap_views.png")?;

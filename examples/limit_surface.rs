@@ -1,7 +1,10 @@
 //! You will see a control cage from a file become its limit surface, within a chord of a thousandth of
 //! its size, with what the file format costs; GLB, OBJ and a picture go to `out/`. Takes a path to an
 //! OBJ or GLB file (Spot without one); `--json` prints the figures.
-#![expect(clippy::print_stdout, reason = "an example talks to its user")]
+
+#[macro_use]
+#[path = "../engine/cli/say.rs"]
+mod say;
 
 use std::error::Error;
 use std::fs;
@@ -9,6 +12,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use selvedge::glam::DVec3;
+use selvedge::io::tags::Unkept;
 use selvedge::io::{Limits, glb, obj, read_cage};
 use selvedge::scenes::limit::{limit, spot};
 use selvedge::scenes::limit_pictures;
@@ -37,16 +41,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     limit_pictures::figure(&cage, triangles, 720)?.save(format!("out/{name}.png"))?;
 
     let chord = made.report.chord.ok_or("a chord was asked for")?;
+    let creases = cage.import.unkept.iter().filter(|what| matches!(what, Unkept::Crease(_))).count();
     let row = serde_json::json!({
-        "name": name, "control_points": cage.positions.len(), "cage_triangles": cage.triangles.len(),
+        "name": name, "corners_kept": cage.corners.len(), "creases_reported": creases,
+        "not_kept": cage.import.unkept.iter().map(ToString::to_string).collect::<Vec<_>>(), "control_points": cage.positions.len(), "cage_triangles": cage.triangles.len(),
         "vertices": triangles.positions.len(), "triangles": triangles.triangles.len(),
         "chord_asked": chord.asked, "chord_achieved": chord.achieved, "chord_samples": chord.samples,
         "worst_shape": made.report.worst_shape, "file_error": file.objects[0].error, "seconds": seconds,
     });
     if flags.iter().any(|flag| flag == "--json") {
-        println!("{}", serde_json::json!([row]));
+        say!("{}", serde_json::json!([row]));
     } else {
-        println!("{row:#}");
+        say!("{row:#}");
     }
     Ok(())
 }

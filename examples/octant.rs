@@ -1,7 +1,10 @@
 //! You will see an octant of a sphere fitted level by level: its error ladders by two rules on two
 //! meshes, down to rounding around the irregular vertex; pictures of the cage, the limit surface, the
 //! fit and its six error maps in `out/`. `--json` prints the ladders, `--f32` stores single precision.
-#![expect(clippy::print_stdout, reason = "an example talks to its user")]
+
+#[macro_use]
+#[path = "../engine/cli/say.rs"]
+mod say;
 
 use std::error::Error;
 
@@ -35,16 +38,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     rows.push(&deep.row);
 
     if asked("--json") {
-        println!("{}", serde_json::to_string(&rows)?);
+        say!("{}", serde_json::to_string(&rows)?);
         return Ok(());
     }
     for row in rows {
-        println!("{} by {:?}: {:.3e} m before any detail", row.mesh, row.rule, row.initial_max_m);
+        say!("{} by {:?}: {:.3e} m before any detail", row.mesh, row.rule, row.initial_max_m);
         for level in &row.levels {
             let ratio = level.ratio.map_or(String::new(), |ratio| format!("   /{ratio:.2}"));
-            println!(
+            say!(
                 "  {:2}  max {:.3e}  mean {:.3e}  {:5} details{ratio}",
-                level.level, level.zone_max_m, level.mean_m, level.details
+                level.level,
+                level.zone_max_m,
+                level.mean_m,
+                level.details
             );
         }
     }

@@ -1,7 +1,10 @@
 //! You will see a host run the engine in a world and schedule of its own, frame by frame: a surface is
 //! fitted to a sphere, the host edits it in mid-fit, and the fit begins again. `--json` prints one
 //! array of frames.
-#![expect(clippy::print_stdout, reason = "an example talks to its user")]
+
+#[macro_use]
+#[path = "../engine/cli/say.rs"]
+mod say;
 
 use std::error::Error;
 use std::sync::Arc;
@@ -84,16 +87,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let log = &world.resource::<Log>().0;
     if std::env::args().any(|arg| arg == "--json") {
-        println!("{}", serde_json::to_string(log)?);
+        say!("{}", serde_json::to_string(log)?);
         return Ok(());
     }
-    println!("frame  stage       level  quanta  error");
+    say!("frame  stage       level  quanta  error");
     let mut last = String::new();
     for seen in log {
         let error = seen.error.map_or("-".into(), |error| format!("{error:.2e}"));
         let line = format!("{:10}  {:5}", seen.state, seen.level);
         if line != last {
-            println!("{:5}  {line}  {:6}  {error}", seen.frame, seen.quanta);
+            say!("{:5}  {line}  {:6}  {error}", seen.frame, seen.quanta);
         }
         last = line;
     }

@@ -8,7 +8,10 @@
 //!
 //! Prints `name value unit` lines: `NAME` is the median of wall seconds, `NAME.cpu` that of processor
 //! seconds on one thread, `NAME.rate` is per processor second.
-#![expect(clippy::print_stdout, reason = "its output is what it is for")]
+
+#[macro_use]
+#[path = "../engine/cli/say.rs"]
+mod say;
 
 #[cfg(unix)]
 fn main() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
@@ -28,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
 
 #[cfg(not(unix))]
 fn main() {
-    println!("needs the processor clock of a unix");
+    say!("needs the processor clock of a unix");
 }
 
 #[cfg(unix)]
@@ -82,7 +85,7 @@ mod peer {
     }
 
     fn put(name: &str, value: f64, unit: &str) {
-        println!("{name} {value:.6} {unit}");
+        say!("{name} {value:.6} {unit}");
     }
 
     fn put_peak(name: &str) {

@@ -9,7 +9,10 @@
 //! bored, triangulated and audited in an engine, to `EPS` in all. `-` for a file is a plate of the same
 //! waves, or one bore in its middle. `cpu` lines are processor seconds of
 //! all threads together. With `trim` nothing is triangulated.
-#![expect(clippy::print_stdout, reason = "its output is what it is for")]
+
+#[macro_use]
+#[path = "../engine/cli/say.rs"]
+mod say;
 
 #[cfg(unix)]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -25,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 #[cfg(not(unix))]
 fn main() {
-    println!("needs the processor clock of a unix");
+    say!("needs the processor clock of a unix");
 }
 
 #[cfg(unix)]
@@ -213,11 +216,11 @@ mod peer {
         }
         let all = (start.elapsed(), processor_time()? - cpu);
         let world = engine.world();
-        println!("faces.source {}", surface.mesh.face_count());
-        println!("bores {}", bores.len());
-        println!("wall.trim {:.4}\ncpu.trim {:.4}", trimmed.0.as_secs_f64(), trimmed.1.as_secs_f64());
-        println!("wall {:.4}\ncpu {:.4}", all.0.as_secs_f64(), all.1.as_secs_f64());
-        println!("passes {passes}\nlongest_pass_ms {:.2}", longest.as_secs_f64() * 1e3);
+        say!("faces.source {}", surface.mesh.face_count());
+        say!("bores {}", bores.len());
+        say!("wall.trim {:.4}\ncpu.trim {:.4}", trimmed.0.as_secs_f64(), trimmed.1.as_secs_f64());
+        say!("wall {:.4}\ncpu {:.4}", all.0.as_secs_f64(), all.1.as_secs_f64());
+        say!("passes {passes}\nlongest_pass_ms {:.2}", longest.as_secs_f64() * 1e3);
         let d = world.resource::<SubdivisionDiagnostics>();
         let stages = [
             ("admit", d.admit),
@@ -233,23 +236,23 @@ mod peer {
         let ground = world.resource::<GroundDiagnostics>();
         let grounds = [("gather", ground.gather), ("check", ground.check), ("triangulate", ground.triangulate)];
         for (name, counters) in stages.iter().chain(&grounds) {
-            println!("wall.{name} {:.4}", counters.time.as_secs_f64());
+            say!("wall.{name} {:.4}", counters.time.as_secs_f64());
         }
         let reports: Vec<&TrimReport> = trims.iter().filter_map(|&t| world.get(t)).collect();
         let failed = trims.iter().filter(|&&t| world.get::<TrimFailed>(t).is_some()).count();
         let failures = trims.iter().filter_map(|&trim| world.get::<TrimFailed>(trim));
-        failures.for_each(|failed| println!("failure {failed}"));
+        failures.for_each(|failed| say!("failure {failed}"));
         let greatest = reports.iter().map(|r| r.audit.greatest().0).fold(0.0, f64::max);
         let together = reports.iter().map(|r| r.together.len()).max().unwrap_or(0);
-        println!("failed {failed}\nachieved_um {:.3}\nlargest_group {together}", greatest * 1e6);
+        say!("failed {failed}\nachieved_um {:.3}\nlargest_group {together}", greatest * 1e6);
         let details: usize = reports.iter().map(|r| r.details / r.together.len()).sum();
         let levels = reports.iter().map(|r| r.ladder.len()).max().unwrap_or(0);
-        println!("details {details}\nlevels {levels}");
+        say!("details {details}\nlevels {levels}");
         if let Some(made) = world.get::<Triangles>(result) {
-            println!("triangles {}", made.triangles.len());
+            say!("triangles {}", made.triangles.len());
         }
         if let Some(report) = world.get::<TriangulationReport>(result) {
-            println!("worst_shape {:.4}", report.worst_shape);
+            say!("worst_shape {:.4}", report.worst_shape);
         }
         Ok(())
     }

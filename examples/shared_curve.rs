@@ -1,7 +1,10 @@
 //! You will see a plate with a bore and the wall of the bore, a swept tube: two surfaces that share a
 //! trim curve and meet along it without an open edge, to the bit, on every level. `--json` prints the
 //! figures alone; else a picture of both goes to `out/`.
-#![expect(clippy::print_stdout, reason = "an example talks to its user")]
+
+#[macro_use]
+#[path = "../engine/cli/say.rs"]
+mod say;
 
 use std::error::Error;
 
@@ -23,10 +26,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         rows.push(TrimRow { name, open_edges: row.open_edges + open, ..row });
     }
     if std::env::args().any(|arg| arg == "--json") {
-        println!("{}", TrimRow::json(&rows)?);
+        say!("{}", TrimRow::json(&rows)?);
         return Ok(());
     }
-    rows.iter().flat_map(TrimRow::lines).for_each(|line| println!("{line}"));
+    rows.iter().flat_map(TrimRow::lines).for_each(|line| say!("{line}"));
     std::fs::create_dir_all("out")?;
     let view = View::from_angles(-65.0, 36.0);
     views::together(&[&trimmed.surface, &wall], &view, Frame::new(1200, 820))?.save("out/shared_curve.png")?;

@@ -1,6 +1,9 @@
 //! You will see every stage of the engine, in the order in which they run: its set, its system, and
 //! what that reads, writes, inserts and removes. `--json` prints one array.
-#![expect(clippy::print_stdout, reason = "an example talks to its user")]
+
+#[macro_use]
+#[path = "../engine/cli/say.rs"]
+mod say;
 
 use std::error::Error;
 
@@ -23,17 +26,17 @@ fn main() -> Result<(), Box<dyn Error>> {
                 "writes": stage.writes, "inserts": stage.inserts, "removes": stage.removes,
             })
         };
-        println!("{}", serde_json::Value::from(STAGES.iter().map(row).collect::<Vec<_>>()));
+        say!("{}", serde_json::Value::from(STAGES.iter().map(row).collect::<Vec<_>>()));
         return Ok(());
     }
     for stage in STAGES {
-        println!("{}", stage.set);
+        say!("{}", stage.set);
         let mark = if runs(stage) { "" } else { "   (no system yet)" };
-        println!("  {} {}{mark}", stage.system.unwrap_or("-"), stage.does);
+        say!("  {} {}{mark}", stage.system.unwrap_or("-"), stage.does);
         let lists =
             [("reads", stage.reads), ("writes", stage.writes), ("inserts", stage.inserts), ("removes", stage.removes)];
         for (verb, names) in lists.into_iter().filter(|(_, names)| !names.is_empty()) {
-            println!("    {verb:8} {}", names.join(", "));
+            say!("    {verb:8} {}", names.join(", "));
         }
     }
     Ok(())

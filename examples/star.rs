@@ -1,7 +1,10 @@
 //! You will see a star with sharp convex and concave corners, an S-shaped slot, and a hole with an island
 //! in it, cut into a plate: figures, and in `out/` their stages and error maps. `--json` prints the figures
 //! alone.
-#![expect(clippy::print_stdout, reason = "an example talks to its user")]
+
+#[macro_use]
+#[path = "../engine/cli/say.rs"]
+mod say;
 
 use std::error::Error;
 
@@ -14,10 +17,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scenes = subjects::stars()?;
     let rows = TrimRow::of_all(&scenes, &settings)?;
     if std::env::args().any(|arg| arg == "--json") {
-        println!("{}", TrimRow::json(&rows)?);
+        say!("{}", TrimRow::json(&rows)?);
         return Ok(());
     }
-    rows.iter().flat_map(TrimRow::lines).for_each(|line| println!("{line}"));
+    rows.iter().flat_map(TrimRow::lines).for_each(|line| say!("{line}"));
     std::fs::create_dir_all("out")?;
     for (scene, file) in scenes.iter().zip(["star", "slot", "island"]) {
         let trimmed = run(scene, &settings)?;

@@ -1,6 +1,9 @@
 //! You will see every stencil of the scheme for valences 3 to 12, and what boundary details do to a
 //! plate; the pictures go to `out/`. `--json` prints the weights.
-#![expect(clippy::print_stdout, reason = "an example talks to its user")]
+
+#[macro_use]
+#[path = "../engine/cli/say.rs"]
+mod say;
 
 use std::error::Error;
 
@@ -14,13 +17,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     pictures::rings(&rows, "interior detail")?.save("out/stencils_detail.png")?;
     pictures::details()?.save("out/boundary_details.png")?;
     if std::env::args().any(|arg| arg == "--json") {
-        println!("{}", serde_json::to_string(&rows)?);
+        say!("{}", serde_json::to_string(&rows)?);
         return Ok(());
     }
     for row in &rows {
         let valence = row.valence.map_or(String::new(), |k| format!(", valence {k}"));
         let weights: Vec<String> = row.weights.iter().map(|(place, w)| format!("{place} {w:.6}")).collect();
-        println!("Fig. {:3} {}{valence}: {}", row.figure, row.name, weights.join(", "));
+        say!("Fig. {:3} {}{valence}: {}", row.figure, row.name, weights.join(", "));
     }
     Ok(())
 }

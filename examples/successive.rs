@@ -1,7 +1,10 @@
 //! You will see twenty trims of one plate, one after the other: bores, stars, slots, and bores through the
 //! edges of earlier ones; every error is measured against the plate as it was given. Figures after each
 //! fifth trim, and the cage after the last in `out/`. `--json` prints the figures alone.
-#![expect(clippy::print_stdout, reason = "an example talks to its user")]
+
+#[macro_use]
+#[path = "../engine/cli/say.rs"]
+mod say;
 
 use std::error::Error;
 
@@ -23,10 +26,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         last = Some(trimmed);
     }
     if std::env::args().any(|arg| arg == "--json") {
-        println!("{}", TrimRow::json(&rows)?);
+        say!("{}", TrimRow::json(&rows)?);
         return Ok(());
     }
-    rows.iter().flat_map(TrimRow::lines).for_each(|line| println!("{line}"));
+    rows.iter().flat_map(TrimRow::lines).for_each(|line| say!("{line}"));
     std::fs::create_dir_all("out")?;
     let last = last.ok_or("there are twenty trims")?;
     stages::cages(&[&last], f64::INFINITY)?.save("out/successive.png")?;

@@ -1,7 +1,10 @@
 //! You will see a table: random trims by stratum, how many were made, refused or wrong, and why.
 //!
 //! `sweep [COUNT] [--json]`: `COUNT` trims in all, 1000 unless told; few with `--json`, which prints rows.
-#![expect(clippy::print_stdout, reason = "the table is what it is for")]
+
+#[macro_use]
+#[path = "../engine/cli/say.rs"]
+mod say;
 
 #[path = "../tests/support/sweep.rs"]
 mod sweep;
@@ -62,16 +65,22 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         row.slowest_s = slowest.as_secs_f64();
         if !json {
-            println!(
+            say!(
                 "{:48} {:4} cases  {:4} sound  {:3} refused  {:3} wrong  {:3} panics  slowest {:.2} s",
-                row.stratum, row.cases, row.sound, row.refused, row.false_successes, row.panics, row.slowest_s
+                row.stratum,
+                row.cases,
+                row.sound,
+                row.refused,
+                row.false_successes,
+                row.panics,
+                row.slowest_s
             );
-            row.reasons.keys().for_each(|why| println!("    {why}"));
+            row.reasons.keys().for_each(|why| say!("    {why}"));
         }
         rows.push(row);
     }
     if json {
-        println!("{}", serde_json::to_string(&rows)?);
+        say!("{}", serde_json::to_string(&rows)?);
     }
     Ok(())
 }

@@ -1,6 +1,9 @@
 //! You will see a bore move towards the rim of a disc: walls from 20 mm down to 0.1 mm, then through the
 //! rim, which it meets in two corners. Cages and figures; `--json` prints the figures alone.
-#![expect(clippy::print_stdout, reason = "an example talks to its user")]
+
+#[macro_use]
+#[path = "../engine/cli/say.rs"]
+mod say;
 
 use std::error::Error;
 
@@ -21,10 +24,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         trimmed.push(done);
     }
     if json {
-        println!("{}", TrimRow::json(&rows)?);
+        say!("{}", TrimRow::json(&rows)?);
         return Ok(());
     }
-    rows.iter().flat_map(TrimRow::lines).for_each(|line| println!("{line}"));
+    rows.iter().flat_map(TrimRow::lines).for_each(|line| say!("{line}"));
     std::fs::create_dir_all("out")?;
     let shown: Vec<_> = [0, 2, 4, 8, 9].map(|i| &trimmed[i]).to_vec();
     stages::cages(&shown, 0.06)?.save("out/thin_wall.png")?;

@@ -121,11 +121,12 @@ impl Fault {
     }
 }
 
-/// Every defect of the connectivity of `faces` over vertices `0..vertex_count`, in the order of the
-/// enum, each kind by index. Empty for an oriented 2-manifold.
+/// Every defect of the connectivity of `faces` over vertices `0..vertex_count`, each kind by index.
+/// Empty for an oriented 2-manifold.
 ///
-/// Faces that name a vertex twice or repeat another face are listed and set aside, and the rest is
-/// judged without them. An index out of range tears a hole whose rim would be called a fault too, so
+/// Faces that name a vertex twice or repeat another face are set aside, and the rest is judged without
+/// them. What is wrong with the rest comes first, because leaving those faces out would not mend it;
+/// then those faces; then vertices that no face names. An index out of range tears a hole whose rim would be called a fault too, so
 /// where there is one, edges and vertices are not judged.
 /// [`Fault::NonOrientable`] is for [`orient`](super::orient) to find.
 ///
@@ -153,7 +154,9 @@ pub(super) fn inspect(vertex_count: usize, faces: &[[u32; 3]]) -> Result<EdgeGro
         let names: Vec<u32> = (0..faces.len() as u32).filter(|&f| sound[f as usize]).collect();
         let rest: Vec<[u32; 3]> = names.iter().map(|&f| faces[f as usize]).collect();
         let more = surface_faults(vertex_count, &rest, &EdgeGroups::new(vertex_count, &rest));
-        found.extend(more.into_iter().map(|fault| fault.rename_faces(|f| FaceId(names[f.index()]))));
+        let aside = found;
+        found = more.into_iter().map(|fault| fault.rename_faces(|f| FaceId(names[f.index()]))).collect();
+        found.extend(aside);
         found.extend(unused_vertices(vertex_count, faces));
     }
     Err(found)

@@ -19,7 +19,7 @@ pub(super) fn run(out: &Path) -> Result<(), Box<dyn Error>> {
     hubcap::run(out)?;
     write_limit(&limit::spot()?, Density::Chord(5e-4), out, "spot")?;
     fit_octant(out)?;
-    println!("the files are in {}", out.display());
+    say!("the files are in {}", out.display());
     Ok(())
 }
 
@@ -37,9 +37,9 @@ fn fit_octant(out: &Path) -> Result<(), Box<dyn Error>> {
         Some(Progress::Finished(report)) => report,
         other => return Err(format!("the octant was not fitted: {other:?}").into()),
     };
-    println!("octant {}: fitted to a sphere of radius {} m in {passes} passes", mesh.name, octant::RADIUS);
+    say!("octant {}: fitted to a sphere of radius {} m in {passes} passes", mesh.name, octant::RADIUS);
     for rung in &report.ladder {
-        println!("  level {}: max {:.2e} m, mean {:.1e} m, {} details", rung.level, rung.max, rung.mean, rung.details);
+        say!("  level {}: max {:.2e} m, mean {:.1e} m, {} details", rung.level, rung.max, rung.mean, rung.details);
     }
     let Some(Ok(fitted)) = engine.surface(surface) else { return Err("the fitted octant is gone".into()) };
     write_octant(out, fitted)

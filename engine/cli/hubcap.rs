@@ -35,7 +35,7 @@ pub(super) fn run(out: &Path) -> Result<(), Box<dyn Error>> {
         Err(Failure::Other(why)) => return Err(why),
     };
     let lines = lines(&scene, &report, &passes);
-    lines.iter().for_each(|line| println!("{line}"));
+    lines.iter().for_each(|line| say!("{line}"));
     fs::write(out.join("hubcap.txt"), lines.join("\n") + "\n")?;
     write(out, &surface)?;
     #[cfg(feature = "diagram")]

@@ -37,18 +37,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 pub(super) fn write_limit(cage: &Cage, density: Density, out: &Path, name: &str) -> Result<(), Box<dyn Error>> {
     let made = limit(cage, &TriangulateOptions { density, ..TriangulateOptions::default() })?;
     let Triangulation { triangles, report, .. } = &made.triangulation;
-    println!(
+    say!(
         "{name}: {} control points, {} faces; {} triangles on the limit surface, worst shape {:.3}",
         cage.positions.len(),
         cage.triangles.len(),
         triangles.triangles.len(),
         report.worst_shape,
     );
+    say!("  {} corners of the border kept", cage.corners.len());
     for what in &cage.import.unkept {
-        println!("  not kept: {what}");
+        say!("  not kept: {what}");
     }
     if let Some(chord) = &report.chord {
-        println!("  chord asked {:.3e}, achieved {:.3e} over {} samples", chord.asked, chord.achieved, chord.samples);
+        say!("  chord asked {:.3e}, achieved {:.3e} over {} samples", chord.asked, chord.achieved, chord.samples);
     }
     fs::create_dir_all(out)?;
     obj::write(&mut fs::File::create(out.join(format!("{name}.obj")))?, triangles)?;
@@ -66,7 +67,7 @@ pub(super) fn write_glb(out: &Path, name: &str, triangles: &Triangles) -> Result
         let file = crate::io::glb::write(&[object])?;
         fs::write(out.join(format!("{name}.glb")), &file.bytes)?;
         for object in &file.objects {
-            println!("  {name}.glb: single precision moves no vertex by more than {:.2e}", object.error);
+            say!("  {name}.glb: single precision moves no vertex by more than {:.2e}", object.error);
         }
     }
     let _ = (out, name, triangles);

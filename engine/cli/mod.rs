@@ -1,6 +1,8 @@
 //! The command line.
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line talks to its user")]
+#![expect(clippy::print_stderr, reason = "a command line talks to its user")]
 
+#[macro_use]
+mod say;
 mod demo;
 mod hubcap;
 mod limit;

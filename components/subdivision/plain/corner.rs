@@ -1,37 +1,85 @@
 //! The pieces of a face around one of its corners, level by level.
 
+use super::block::Ring;
+use super::patch::Load;
 use super::topology::VertexRule;
 use crate::subdivision::boxspline::{Net, Quartic, Vector};
 
-/// A corner of a face, and what subdivision towards it has reached.
+/// A corner of a face, and what subdivision towards it has left behind.
 ///
-/// From the first level on every vertex but the corner itself is regular. In the lattice of the
-/// level, with the corner at (0, 0) and the face at (1, 0) and (0, 1), the control points are the
-/// corner, its ring, and five more: `(2,-1) (2,0) (1,1) (0,2) (-1,2)`. Those beyond a border are the
-/// phantoms of `reflect`.
+/// From the first level on every vertex but the corner itself is regular. In the lattice of a level,
+/// with the corner at (0, 0) and the face at (1, 0) and (0, 1), the control points that matter are
+/// the corner, four of its ring, and five more: `(2,-1) (2,0) (1,1) (0,2) (-1,2)`. Those beyond a
+/// border are the phantoms of `reflect`.
 ///
 /// Points are relative to the corner's limit: so rounding shrinks with the neighbourhood, and
 /// differences of its points stay exact however fine it gets.
 #[derive(Clone, Debug)]
-pub struct CornerPieces<V> {
-    pub(super) rule: VertexRule,
-    /// What each neighbour of an interior corner weighs under one step.
-    pub(super) weight: f64,
-    pub(super) limit: V,
-    pub(super) centre: V,
-    /// The corner's neighbours, counter-clockwise; around a border from the next border vertex to
-    /// the previous one. The first `valence` count, the rest is scratch.
-    pub(super) ring: Vec<V>,
-    pub(super) valence: usize,
-    /// The place in the ring of the point at (1, 0).
-    pub(super) first: usize,
-    pub(super) outer: [V; 5],
-    /// The points at (1,-1) (1,0) (0,1) (-1,1).
-    near: [V; 4],
-    /// `near` and `outer` of the level before.
-    coarser: ([V; 4], [V; 5]),
+pub struct CornerPieces<'a, L: Load> {
+    load: L,
+    pub(super) corner: Corner<'a, L::Vector>,
+    /// The corner's neighbours at the finest level so far, counter-clockwise; around a border from the
+    /// next border vertex to the previous one. Empty where no level but the first was needed.
+    ring: Vec<L::Vector>,
     /// As long as `ring`.
-    spare: Vec<V>,
+    spare: Vec<L::Vector>,
+    /// What each depth leaves behind; the first `depths` count.
+    lattices: Vec<Lattice<L::Vector>>,
+    depths: usize,
+}
+
+/// What is known of a corner at the first level.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner<'a, V> {
+    pub rule: VertexRule,
+    pub valence: usize,
+    /// What each neighbour of an interior corner weighs under one step.
+    pub weight: f64,
+    /// The place in the ring of the point at (1, 0).
+    pub first: usize,
+    pub limit: V,
+    /// The corner at the first level and at the second.
+    pub centres: [V; 2],
+    pub ring: Ring<'a>,
+    pub outer: [V; 5],
+}
+
+/// Control points of one level around a corner, by their place in it; `m` is -1.
+///
+/// ```text
+///    0    1    2    3    4    5    6    7    8    9   10   11   12   13   14   15
+///   00   1m   10   01   m1   2m   20   11   02   m2   21   12   3m   30   03   m3
+/// ```
+type Lattice<V> = [V; 16];
+
+/// The places in a [`Lattice`] of the control points of a quarter, four bits each, for each corner of
+/// the face whose directions they are turned from.
+const NETS: [[u64; 4]; 4] = {
+    let quarters = [
+        [2, 6, 7, 5, 10, 3, 0, 1, 12, 13, 11, 8],
+        [3, 7, 8, 2, 11, 9, 4, 0, 6, 10, 14, 15],
+        [7, 3, 2, 8, 0, 6, 10, 11, 9, 4, 1, 5],
+    ];
+    let mut nets = [[0; 4]; 4];
+    let mut i = 0;
+    while i < 9 {
+        nets[i / 3][i % 3] = turned(&quarters[i % 3], i / 3);
+        i += 1;
+    }
+    nets
+};
+
+/// A net turned by a corner is the net with each of its groups turned by one.
+const fn turned(net: &[u64; 12], corner: usize) -> u64 {
+    let mut places = 0;
+    let mut i = 0;
+    while i < 3 {
+        let from = (i + 3 - corner) % 3;
+        places |= net[from] << (4 * i) | net[3 + from] << (4 * (3 + i));
+        places |= (net[6 + 2 * from] | net[7 + 2 * from] << 4) << (4 * (6 + 2 * i));
+        i += 1;
+    }
+    places
 }
 
 /// The point beyond a regular border that makes the border's rules those of the interior: the
@@ -63,123 +111,201 @@ pub(super) fn weigh<V: Vector>(centre: V, ring: &[V], weight: f64) -> V {
     centre * (1.0 - ring.len() as f64 * weight) + sum * weight
 }
 
-impl<V: Vector> CornerPieces<V> {
-    /// No corner yet: all points `zero`.
-    pub fn new(zero: V) -> Self {
-        let (near, outer) = ([zero; 4], [zero; 5]);
-        Self {
+/// Where a step takes a vertex; `weight` is that of each neighbour of an interior one.
+#[inline(always)]
+pub(super) fn step_centre<V: Vector>(rule: VertexRule, weight: f64, v: V, ring: &[V]) -> V {
+    match rule {
+        VertexRule::Interior => weigh(v, ring, weight),
+        VertexRule::Border => (ring[0] + ring[ring.len() - 1]) * 0.125 + v * 0.75,
+        VertexRule::Corner => v,
+    }
+}
+
+/// The four points of a ring around (1, 0) and (0, 1), of which `first` is the place of the first;
+/// beyond a border they are phantoms.
+#[inline(always)]
+fn near<V: Vector>(rule: VertexRule, centre: V, ring: &[V], first: usize) -> [V; 4] {
+    let k = ring.len();
+    let open = rule != VertexRule::Interior;
+    let r0 = ring[first];
+    let r1 = ring[if first + 1 < k { first + 1 } else { 0 }];
+    let before = match first {
+        0 if open => reflect(centre, r0, r1),
+        0 => ring[k - 1],
+        _ => ring[first - 1],
+    };
+    let after = match first + 2 {
+        after if after < k => ring[after],
+        _ if open => reflect(centre, r1, r0),
+        after => ring[after - k],
+    };
+    [before, r0, r1, after]
+}
+
+/// Writes what a step leaves behind of the points around `corner`, which are `near` and `outer` before
+/// it and `to` and `to_near` after it.
+#[inline(always)]
+fn leave<V: Vector>(lattice: &mut Lattice<V>, corner: V, near: [V; 4], outer: [V; 5], to: V, to_near: [V; 4]) {
+    let ([before, r0, r1, after], [z, y, x, w, u], v) = (near, outer, corner);
+    lattice[0] = to;
+    [lattice[1], lattice[2], lattice[3], lattice[4]] = to_near;
+    lattice[5] = edge_point(before, r0, v, z);
+    lattice[6] = regular_vertex(r0, [v, r1, x, y, z, before]);
+    lattice[7] = edge_point(r0, r1, v, x);
+    lattice[8] = regular_vertex(r1, [v, after, u, w, x, r0]);
+    lattice[9] = edge_point(r1, after, v, u);
+    lattice[10] = edge_point(r0, x, r1, y);
+    lattice[11] = edge_point(r1, x, r0, w);
+    lattice[12] = edge_point(r0, z, before, y);
+    lattice[13] = edge_point(r0, y, z, x);
+    lattice[14] = edge_point(r1, w, x, u);
+    lattice[15] = edge_point(r1, u, w, after);
+}
+
+impl<'a, L: Load> CornerPieces<'a, L> {
+    /// No corner yet.
+    pub(super) fn new(load: L) -> Self {
+        let zero = load.zero();
+        let corner = Corner {
             rule: VertexRule::Interior,
-            weight: 0.0,
-            limit: zero,
-            centre: zero,
-            ring: Vec::new(),
             valence: 0,
+            weight: 0.0,
             first: 0,
-            outer,
-            near,
-            coarser: (near, outer),
-            spare: Vec::new(),
+            limit: zero,
+            centres: [zero; 2],
+            ring: Ring::default(),
+            outer: [zero; 5],
+        };
+        Self { load, corner, ring: Vec::new(), spare: Vec::new(), lattices: Vec::new(), depths: 0 }
+    }
+
+    /// How many depths are known; 0 of no corner.
+    #[inline(always)]
+    pub fn depths(&self) -> usize {
+        self.depths
+    }
+
+    /// Forgets the corner.
+    #[inline(always)]
+    pub fn clear(&mut self) {
+        self.depths = 0;
+    }
+
+    /// Makes the pieces of the first depth those around `corner`.
+    #[inline(always)]
+    pub(super) fn begin(&mut self, corner: Corner<'a, L::Vector>) {
+        self.corner = corner;
+        self.depths = 0;
+        if self.lattices.is_empty() {
+            self.grow();
+        }
+        let Corner { rule, first, centres: [v, to], ring, outer, .. } = corner;
+        if rule == VertexRule::Interior {
+            // Those at the ends are not kept.
+            let r: [L::Vector; 6] = ring.window(self.load, first);
+            let to_near = [
+                edge_point(v, r[1], r[0], r[2]),
+                edge_point(v, r[2], r[1], r[3]),
+                edge_point(v, r[3], r[2], r[4]),
+                edge_point(v, r[4], r[3], r[5]),
+            ];
+            leave(&mut self.lattices[0], v, [r[1], r[2], r[3], r[4]], outer, to, to_near);
+        } else {
+            self.read_ring();
+            let before = near(rule, v, &self.spare[..corner.valence], first);
+            self.step_ring(v);
+            let to_near = near(rule, to, &self.ring[..corner.valence], first);
+            leave(&mut self.lattices[0], v, before, outer, to, to_near);
+        }
+        self.depths = 1;
+    }
+
+    #[cold]
+    fn grow(&mut self) {
+        self.lattices.push([self.load.zero(); 16]);
+    }
+
+    /// Reads the first level's ring to where the next step reads it.
+    #[inline(always)]
+    fn read_ring(&mut self) {
+        let k = self.corner.valence;
+        if self.ring.len() < k {
+            self.ring.resize(k, self.load.zero());
+            self.spare.resize(k, self.load.zero());
+        }
+        for (i, point) in self.spare[..k].iter_mut().enumerate() {
+            *point = self.corner.ring.point(self.load, i);
         }
     }
 
-    /// The ring of a corner of valence `valence`, to be filled with the points of the first level.
+    /// Steps from the ring in `spare` around `v` to that in `ring`.
     #[inline(always)]
-    pub(super) fn begin(&mut self, valence: usize, zero: V) -> &mut [V] {
-        if self.ring.len() < valence {
-            self.ring.resize(valence, zero);
-            self.spare.resize(valence, zero);
-        }
-        self.valence = valence;
-        &mut self.ring[..valence]
-    }
-
-    /// Reads `near` from the ring; beyond a border it is a phantom.
-    #[inline(always)]
-    pub(super) fn find_near(&mut self) {
-        let (ring, first, k) = (&self.ring[..self.valence], self.first, self.valence);
-        let open = self.rule != VertexRule::Interior;
-        let r0 = ring[first];
-        let r1 = ring[if first + 1 < k { first + 1 } else { 0 }];
-        let before = match first {
-            0 if open => reflect(self.centre, r0, r1),
-            0 => ring[k - 1],
-            _ => ring[first - 1],
-        };
-        let after = match first + 2 {
-            after if after < k => ring[after],
-            _ if open => reflect(self.centre, r1, r0),
-            after => ring[after - k],
-        };
-        self.near = [before, r0, r1, after];
-    }
-
-    /// Goes one level finer, towards the corner: now [`Self::quarter`] gives the pieces that this
-    /// step leaves behind.
-    #[inline(always)]
-    pub fn descend(&mut self) {
-        let ([before, r0, r1, after], [z, y, x, w, u], v) = (self.near, self.outer, self.centre);
-        self.coarser = (self.near, self.outer);
-        self.outer = [
-            edge_point(before, r0, v, z),
-            regular_vertex(r0, [v, r1, x, y, z, before]),
-            edge_point(r0, r1, v, x),
-            regular_vertex(r1, [v, after, u, w, x, r0]),
-            edge_point(r1, after, v, u),
-        ];
-        self.step();
-        self.find_near();
-    }
-
-    /// The corner and its ring one level finer.
-    #[inline(always)]
-    fn step(&mut self) {
-        let (v, last) = (self.centre, self.valence - 1);
-        let (ring, finer) = (&self.ring[..=last], &mut self.spare[..=last]);
+    fn step_ring(&mut self, v: L::Vector) {
+        let last = self.corner.valence - 1;
+        let (ring, finer) = (&self.spare[..=last], &mut self.ring[..=last]);
         let (head, tail) = (ring[0], ring[last]);
         for (r, finer) in ring.windows(3).zip(&mut finer[1..]) {
             *finer = edge_point(v, r[1], r[0], r[2]);
         }
-        if self.rule == VertexRule::Interior {
-            self.centre = weigh(v, ring, self.weight);
+        if self.corner.rule == VertexRule::Interior {
             finer[0] = edge_point(v, head, tail, ring[1]);
             finer[last] = edge_point(v, tail, ring[last - 1], head);
         } else {
-            if self.rule == VertexRule::Border {
-                self.centre = (head + tail) * 0.125 + v * 0.75;
-            }
             finer[0] = (v + head) * 0.5;
             finer[last] = (v + tail) * 0.5;
         }
-        core::mem::swap(&mut self.ring, &mut self.spare);
     }
 
-    /// The polynomial of a quarter of the face that the last step left behind, in the quarter's own
-    /// coordinates. Quarters 0 and 1 are those next to the two edges, in the corner's directions; 2 is
-    /// the one between, turned by half a turn: its origin is the middle of the far edge.
+    /// Goes one level finer, towards the corner: one more depth is known.
     #[inline(always)]
-    pub fn quarter(&self, quarter: u8) -> Quartic<V> {
-        let ([before, r0, r1, after], [z, y, x, w, u]) = self.coarser;
-        // Named by their place in the finer lattice; `m` is -1.
-        let ([c1m, c10, c01, cm1], [c2m, c20, c11, c02, cm2], c00) = (self.near, self.outer, self.centre);
-        let (c21, c12) = (edge_point(r0, x, r1, y), edge_point(r1, x, r0, w));
-        match quarter {
-            0 => {
-                let (c3m, c30) = (edge_point(r0, z, before, y), edge_point(r0, y, z, x));
-                self.place(&[c10, c20, c11, c2m, c21, c01, c00, c1m, c3m, c30, c12, c02])
-            }
-            1 => {
-                let (c03, cm3) = (edge_point(r1, w, x, u), edge_point(r1, u, w, after));
-                self.place(&[c01, c11, c02, c10, c12, cm2, cm1, c00, c20, c21, c03, cm3])
-            }
-            _ => self.place(&[c11, c01, c10, c02, c00, c20, c21, c12, cm2, cm1, c1m, c2m]),
+    pub fn descend(&mut self) {
+        let Corner { rule, weight, first, valence, centres, .. } = self.corner;
+        if self.depths == 1 && rule == VertexRule::Interior {
+            self.read_ring();
+            self.step_ring(centres[0]);
         }
+        if self.lattices.len() == self.depths {
+            self.grow();
+        }
+        let [v, n0, n1, n2, n3, z, y, x, w, u, ..] = self.lattices[self.depths - 1];
+        let to = step_centre(rule, weight, v, &self.ring[..valence]);
+        core::mem::swap(&mut self.ring, &mut self.spare);
+        self.step_ring(v);
+        let to_near = near(rule, to, &self.ring[..valence], first);
+        leave(&mut self.lattices[self.depths], v, [n0, n1, n2, n3], [z, y, x, w, u], to, to_near);
+        self.depths += 1;
     }
 
-    /// The polynomial of a net that is relative to the limit.
+    /// The polynomial of all that is left around a regular corner after the first quartering, in
+    /// coordinates that run along those of the face whose corner `i` is `corner`.
     #[inline(always)]
-    fn place(&self, net: &Net<V>) -> Quartic<V> {
-        let mut quartic = Quartic::new(net);
-        quartic.coefficients[0] = quartic.coefficients[0] + self.limit;
+    pub(super) fn all(load: L, corner: &Corner<'a, L::Vector>, i: u8) -> Quartic<L::Vector> {
+        let ([z, y, x, w, u], v) = (corner.outer, corner.centres[0]);
+        let [fifth, before, r0, r1, after, fourth] = corner.ring.window(load, corner.first);
+        let net: Net<L::Vector> = match i {
+            0 => [v, r0, r1, before, x, after, fourth, fifth, z, y, w, u],
+            1 => [r1, v, r0, after, before, x, w, u, fourth, fifth, z, y],
+            _ => [r0, r1, v, x, after, before, z, y, w, u, fourth, fifth],
+        };
+        let mut quartic = Quartic::new(&net);
+        quartic.coefficients[0] = quartic.coefficients[0] + corner.limit;
+        quartic
+    }
+
+    /// The polynomial of a quarter of the face that the step to `depth` left behind. Quarters 0 and 1
+    /// are those next to the two edges, in the corner's directions; 2 is the one between, turned by half
+    /// a turn: its origin is the middle of the far edge. The coordinates are the quarter's own, turned
+    /// to run along those of the face whose corner `corner` this is; with 0 they run along the corner's.
+    #[inline(always)]
+    pub fn quarter(&self, depth: u8, quarter: u8, corner: u8) -> Quartic<L::Vector> {
+        let lattice = &self.lattices[usize::from(depth)];
+        let mut net: Net<L::Vector> = [lattice[0]; 12];
+        let places = NETS[usize::from(corner & 3)][usize::from(quarter & 3)];
+        for (i, point) in net.iter_mut().enumerate() {
+            *point = lattice[(places >> (4 * i)) as usize & 15];
+        }
+        let mut quartic = Quartic::new(&net);
+        quartic.coefficients[0] = quartic.coefficients[0] + self.corner.limit;
         quartic
     }
 }

@@ -6,6 +6,7 @@
 //! subdivision towards that corner leaves behind ([`Piece`]). A point lies in one of them, and few
 //! steps of the corner's neighbourhood lead there, so no value is approximated.
 
+mod block;
 mod corner;
 mod limit;
 mod patch;
@@ -24,8 +25,7 @@ pub use topology::{PlainError, PlainTopology, VertexRule};
 
 use crate::evaluate::{Evaluate, Jet, SurfacePoint};
 use crate::mesh::{Connectivity, VertexId};
-use corner::{edge_point, weigh};
-use limit::border_limit;
+use block::Blocks;
 
 /// A Loop surface without details whose borders, if any, are cubic B-splines.
 ///
@@ -35,10 +35,8 @@ use limit::border_limit;
 pub struct PlainLoop {
     topology: Arc<PlainTopology>,
     points: Vec<DVec3>,
-    /// The points of one subdivision step around the corners of faces that are not regular, in the
-    /// blocks of [`PlainTopology`]: the limit of a vertex, then the vertex and its ring relative to
-    /// it. Each with a fourth number beside it, so that one wide load reads it.
-    finer: Vec<[f64; 4]>,
+    /// The points of one subdivision step around the corners of faces that are not regular.
+    finer: Blocks,
 }
 
 impl PlainLoop {
@@ -56,7 +54,7 @@ impl PlainLoop {
     /// [`PlainError::PointCount`], [`PlainError::NotFinite`].
     pub fn on(topology: Arc<PlainTopology>, points: Vec<DVec3>) -> Result<Self, PlainError> {
         check(&points, topology.mesh().vertex_count())?;
-        let finer = vec![[0.0; 4]; topology.finer_count()];
+        let finer = Blocks::new(topology.finer_count());
         let mut surface = Self { topology, points, finer };
         surface.take_first_step();
         Ok(surface)
@@ -104,38 +102,15 @@ impl PlainLoop {
     fn take_first_step(&mut self) {
         let topology = &*self.topology;
         let mesh = topology.mesh();
-        let mut ring = Vec::new();
+        let (mut ring, mut scratch) = (Vec::new(), Vec::new());
         for v in (0..mesh.vertex_count()).map(VertexId::new) {
-            let block = topology.block(v);
-            if block.is_empty() {
-                continue;
+            if let Some(block) = topology.block(v) {
+                ring.clear();
+                ring.extend(mesh.neighbours(v).map(|n| self.points[n.index()]));
+                let around = (self.points[v.index()], &ring[..]);
+                self.finer.write(block, topology.mask(ring.len()), topology.rule(v), around, &mut scratch);
             }
-            ring.clear();
-            ring.extend(mesh.neighbours(v).map(|n| self.points[n.index()]));
-            step_around(topology, topology.rule(v), self.points[v.index()], &ring, &mut self.finer[block]);
         }
-    }
-}
-
-/// Writes the limit of a vertex, then the vertex and its ring one step finer, relative to the limit.
-fn step_around(topology: &PlainTopology, rule: VertexRule, q: DVec3, ring: &[DVec3], block: &mut [[f64; 4]]) {
-    let last = ring.len() - 1;
-    let mask = topology.mask(ring.len());
-    let (limit, centre) = match rule {
-        VertexRule::Interior => (weigh(q, ring, mask.limit), weigh(q, ring, mask.step)),
-        VertexRule::Border => (border_limit(q, ring[0], ring[last]), (ring[0] + ring[last]) * 0.125 + q * 0.75),
-        VertexRule::Corner => (q, q),
-    };
-    let padded = |p: DVec3| [p.x, p.y, p.z, 0.0];
-    block[0] = padded(limit);
-    block[1] = padded(centre - limit);
-    for (i, place) in block[2..].iter_mut().enumerate() {
-        // The point that closes an interior ring is its first again.
-        let i = if i > last { 0 } else { i };
-        let (before, after) = (if i == 0 { last } else { i - 1 }, if i == last { 0 } else { i + 1 });
-        let on_border = rule != VertexRule::Interior && (i == 0 || i == last);
-        let middle = if on_border { (q + ring[i]) * 0.5 } else { edge_point(q, ring[i], ring[before], ring[after]) };
-        *place = padded(middle - limit);
     }
 }
 

@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use super::PlainLoop;
-use super::corner::{CornerPieces, reflect};
-use super::place::{Piece, Place, to_face};
+use super::block::{FIRST, LIMIT, RING, SECOND};
+use super::corner::{Corner, CornerPieces, reflect};
+use super::place::{DEEPEST, Piece, Place};
 use super::topology::{FinerCorner, NONE};
 use crate::evaluate::{Jet, SurfacePoint};
 use crate::mesh::{FaceId, HalfedgeId, VertexId};
@@ -18,8 +19,14 @@ pub trait Load: Copy {
     /// The vector of a point.
     fn load(self, point: DVec3) -> Self::Vector;
 
-    /// The vector of a point that is stored with a fourth number beside it.
+    /// The vector of a point that is stored with a fourth number behind it, of no meaning.
     fn load_padded(self, point: &[f64; 4]) -> Self::Vector;
+
+    /// The vector of zeros.
+    #[inline(always)]
+    fn zero(self) -> Self::Vector {
+        self.load(DVec3::ZERO)
+    }
 }
 
 /// Calculates with [`DVec3`].
@@ -117,28 +124,28 @@ struct FinerNet<'a, L> {
     corners: &'a [FinerCorner; 3],
 }
 
-impl<L: Load> FinerNet<'_, L> {
+impl<'a, L: Load> FinerNet<'a, L> {
     #[inline(always)]
     fn stored(&self, place: u32) -> L::Vector {
-        self.load.load_padded(&self.surface.finer[place as usize])
+        self.surface.finer.point(self.load, place)
     }
 
     /// The limit of corner `i`, which the points of its block are relative to.
     #[inline(always)]
     fn limit(&self, i: usize) -> L::Vector {
-        self.stored(self.corners[i].block)
+        self.stored(self.corners[i].block + LIMIT)
     }
 
     /// The vertex at corner `i`, relative to its limit.
     #[inline(always)]
     fn vertex(&self, i: usize) -> L::Vector {
-        self.stored(self.corners[i].block + 1)
+        self.stored(self.corners[i].block + FIRST)
     }
 
     /// The midpoint of the edge from corner `i` to the next, relative to the corner's limit.
     #[inline(always)]
     fn edge(&self, i: usize) -> L::Vector {
-        self.stored(self.corners[i].block + 2 + self.corners[i].first)
+        self.stored(self.corners[i].block + RING + self.corners[i].first)
     }
 
     /// The control points of the middle quarter. Its coordinates are turned by half a turn.
@@ -170,9 +177,9 @@ impl<L: Load> FinerNet<'_, L> {
         }
     }
 
-    /// Makes `pieces` those around corner `i`, at depth 0.
+    /// Corner `i`.
     #[inline(always)]
-    fn corner(&self, i: usize, pieces: &mut CornerPieces<L::Vector>) {
+    fn corner(&self, i: usize) -> Corner<'a, L::Vector> {
         let FinerCorner { rule, block, valence, first, before, after } = self.corners[i];
         let (next, last) = if i == 0 {
             (1, 2)
@@ -181,23 +188,24 @@ impl<L: Load> FinerNet<'_, L> {
         } else {
             (0, 1)
         };
-        let (limit, centre) = (self.limit(i), self.vertex(i));
-        let (block, k) = (block as usize, valence as usize);
-        let ring = pieces.begin(k, centre);
-        for (point, stored) in ring.iter_mut().zip(&self.surface.finer[block + 2..block + 2 + k]) {
-            *point = self.load.load_padded(stored);
-        }
+        let limit = self.limit(i);
         // From the other corners' limits to this one's.
         let (of_next, of_last) = (self.limit(next) - limit, self.limit(last) - limit);
         let (x, y, w) = (self.edge(next) + of_next, self.vertex(next) + of_next, self.vertex(last) + of_last);
         let z = if before == NONE { reflect(self.edge(i), y, x) } else { self.stored(before) + of_next };
         // The corner's second edge is the face's last.
         let u = if after == NONE { reflect(self.edge(last) + of_last, w, x) } else { self.stored(after) + of_last };
-        (pieces.rule, pieces.first, pieces.limit) = (rule, first as usize, limit);
-        (pieces.centre, pieces.outer) = (centre, [z, y, x, w, u]);
-        pieces.weight = self.surface.topology.mask(k).step;
-        pieces.find_near();
-        pieces.descend();
+        let valence = valence as usize;
+        Corner {
+            rule,
+            valence,
+            weight: self.surface.topology.mask(valence).step,
+            first: first as usize,
+            limit,
+            centres: [self.vertex(i), self.stored(block + SECOND)],
+            ring: self.surface.finer.ring(block, valence),
+            outer: [z, y, x, w, u],
+        }
     }
 }
 
@@ -228,14 +236,22 @@ impl<'a, L: Load> PatchReader<'a, L> {
     }
 
     /// Scratch for [`Self::corner`].
-    pub fn scratch(&self) -> CornerPieces<L::Vector> {
-        CornerPieces::new(self.vector(DVec3::ZERO))
+    pub fn scratch(&self) -> CornerPieces<'a, L> {
+        CornerPieces::new(self.load)
     }
 
-    /// Makes `pieces` those around a corner of a face that is not regular, at depth 0.
+    /// Makes `pieces` those around a corner of a face that is not regular, of the first depth.
     #[inline(always)]
-    pub fn corner(&self, face: FaceId, corner: u8, pieces: &mut CornerPieces<L::Vector>) {
-        self.finer(face).corner(usize::from(corner), pieces);
+    pub fn corner(&self, face: FaceId, corner: u8, pieces: &mut CornerPieces<'a, L>) {
+        pieces.begin(self.finer(face).corner(usize::from(corner)));
+    }
+
+    /// The polynomial of all that is left around a corner after quartering once, where both the corner is
+    /// regular ([`PlainTopology::regular_corners`](super::PlainTopology::regular_corners)) and its face
+    /// is not. Its coordinates run along the face's.
+    #[inline(always)]
+    pub fn regular_corner(&self, face: FaceId, corner: u8) -> Quartic<L::Vector> {
+        CornerPieces::all(self.load, &self.finer(face).corner(usize::from(corner)), corner)
     }
 
     /// Reads a little of everything that a face which is not regular is made of, all at once: what is
@@ -248,11 +264,7 @@ impl<'a, L: Load> PatchReader<'a, L> {
         }
         let mut sum = 0.0;
         for corner in self.surface.topology.finer_corners(face) {
-            let block = corner.block as usize;
-            // Two points fill a line of the cache.
-            for point in self.surface.finer[block..block + 2 + corner.valence as usize].iter().step_by(2) {
-                sum += point[0];
-            }
+            sum += self.surface.finer.touch(corner.block, RING + corner.valence);
         }
         sum
     }
@@ -268,15 +280,21 @@ impl<'a, L: Load> PatchReader<'a, L> {
         self.load.load(v)
     }
 
-    /// The tangent plane at a corner of a face, as a polynomial of the first degree in the corner's
-    /// coordinates.
+    /// The tangent plane at a corner of a face, as a polynomial of the first degree whose origin is the
+    /// corner.
     #[cold]
     pub fn tangent_plane(&self, face: FaceId, corner: u8) -> Quartic<L::Vector> {
         let h = HalfedgeId::of(face, usize::from(corner));
-        let mut coefficients = [self.vector(DVec3::ZERO); 14];
+        let mut coefficients = [self.load.zero(); 14];
         coefficients[0] = self.vector(self.surface.vertex_limit(self.surface.topology.mesh().from(h)));
-        let (along, beside) = self.surface.vertex_tangents(h);
-        (coefficients[1], coefficients[5]) = (self.vector(along), self.vector(beside));
+        // From those towards the next corner and the one after to those along the face.
+        let (a, b) = self.surface.vertex_tangents(h);
+        let (s, t) = match corner {
+            0 => (a, b),
+            1 => (-b, a - b),
+            _ => (b - a, -a),
+        };
+        (coefficients[1], coefficients[5]) = (self.vector(s), self.vector(t));
         Quartic { coefficients }
     }
 }
@@ -291,29 +309,30 @@ impl PlainLoop {
         let place = if topology.is_regular(at.face) {
             Place::in_regular(at.st.x, at.st.y)
         } else {
-            Place::in_irregular(at.st.x, at.st.y)
+            Place::in_irregular(at.st.x, at.st.y, topology.regular_corners(at.face))
         };
         let [position, ds, dt] = self.quartic(at.face, place.piece).with_derivatives(place.s, place.t);
-        let [ds, dt] = to_face(place.piece.corner(), place.piece.scale(), ds, dt);
-        Jet { position, ds, dt }
+        let scale = place.piece.scale();
+        Jet { position, ds: ds * scale, dt: dt * scale }
     }
 
-    /// The polynomial of `piece` of `face`, in the piece's own coordinates; for [`Piece::Vertex`] the
-    /// tangent plane there. [`Piece::Whole`] belongs to regular faces, the others to the rest.
+    /// The polynomial of `piece` of `face`, in the piece's own coordinates; of a vertex the tangent
+    /// plane there. [`Piece::WHOLE`] belongs to regular faces, the others to the rest.
     fn quartic(&self, face: FaceId, piece: Piece) -> Quartic {
         let reader = PatchReader::new(self, AsStored);
         match piece {
-            Piece::Whole => reader.whole(face),
-            Piece::Middle => reader.middle(face),
-            Piece::Corner { corner, depth, quarter } => {
+            Piece::WHOLE => reader.whole(face),
+            Piece::MIDDLE => reader.middle(face),
+            _ if piece.quarter() == 3 => reader.regular_corner(face, piece.corner()),
+            _ if piece.depth() == DEEPEST => reader.tangent_plane(face, piece.corner()),
+            _ => {
                 let mut pieces = reader.scratch();
-                reader.corner(face, corner, &mut pieces);
-                for _ in 0..depth {
+                reader.corner(face, piece.corner(), &mut pieces);
+                for _ in 0..piece.depth() {
                     pieces.descend();
                 }
-                pieces.quarter(quarter)
+                pieces.quarter(piece.depth(), piece.quarter(), piece.corner())
             }
-            Piece::Vertex { corner } => reader.tangent_plane(face, corner),
         }
     }
 

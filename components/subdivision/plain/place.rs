@@ -1,7 +1,5 @@
 //! Where in a face a point lies, as a regular piece and a place in it.
 
-use crate::subdivision::boxspline::Vector;
-
 /// How often a face is quartered towards a vertex at most. What is left there is the limit of the
 /// vertex: around it the surface is smaller than the control mesh by the largest eigenvalue below
 /// one of any Loop vertex, 5/8, for each level, and `(5/8)^84 < 2^-56` vanishes beside the rounding of
@@ -9,64 +7,75 @@ use crate::subdivision::boxspline::Vector;
 pub const DEEPEST: u8 = 84;
 
 /// A part of a face over which the surface is one polynomial, or a single vertex.
+///
+/// A small number, so that what is made for the pieces of a face can stand in a list:
+/// `16 depth + 4 corner + quarter`. Quarter 3 is all of what is left around the corner; corner 3 is
+/// none, its two quarters are the middle of a face and a whole one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Piece {
-    /// The whole of a regular face.
-    Whole,
-    /// The middle quarter of a face that is not regular.
-    Middle,
-    /// A quarter of what is left around `corner` after quartering towards it `depth` times more than
-    /// once.
-    Corner {
-        /// 0, 1 or 2.
-        corner: u8,
-        /// At least 0, below [`DEEPEST`].
-        depth: u8,
-        /// Which quarter: 0 and 1 next to the corner's two edges, 2 between.
-        quarter: u8,
-    },
-    /// The vertex at a corner of the face.
-    Vertex {
-        /// 0, 1 or 2.
-        corner: u8,
-    },
-}
+pub struct Piece(u16);
 
 impl Piece {
-    /// The corner whose coordinates this piece's follow.
+    /// The middle quarter of a face that is not regular, turned by half a turn.
+    pub const MIDDLE: Self = Self::new(3, 0, 0);
+    /// The whole of a regular face.
+    pub const WHOLE: Self = Self::new(3, 0, 1);
+
+    /// A quarter of what is left around `corner` after quartering towards it `depth` times more than
+    /// once: 0 and 1 lie next to the corner's two edges, 2 between, turned by half a turn. 3 is no
+    /// quarter but all that is left. At depth [`DEEPEST`] it is the vertex at that corner, whatever the
+    /// quarter.
+    #[inline(always)]
+    pub const fn new(corner: u8, depth: u8, quarter: u8) -> Self {
+        Self(16 * depth as u16 + 4 * corner as u16 + quarter as u16)
+    }
+
+    /// The piece at `index` in a list of all pieces.
+    #[inline(always)]
+    pub const fn from_index(index: usize) -> Self {
+        Self(index as u16)
+    }
+
+    /// Its place in a list of all pieces.
+    #[inline(always)]
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+
+    /// The corner that it was left behind at: 0, 1 or 2; 3 for [`Self::MIDDLE`] and [`Self::WHOLE`].
     #[inline(always)]
     pub const fn corner(self) -> u8 {
-        match self {
-            Self::Corner { corner, .. } | Self::Vertex { corner } => corner,
-            Self::Whole | Self::Middle => 0,
-        }
+        (self.0 >> 2) as u8 & 3
     }
 
-    /// How much faster this piece's coordinates run than the corner's: a power of two, negative where
-    /// the piece is turned by half a turn.
+    /// How often its face was quartered towards its corner, less one: at most [`DEEPEST`].
+    #[inline(always)]
+    pub const fn depth(self) -> u8 {
+        (self.0 >> 4) as u8
+    }
+
+    /// Which quarter around its corner it is.
+    #[inline(always)]
+    pub const fn quarter(self) -> u8 {
+        self.0 as u8 & 3
+    }
+
+    /// How much faster its coordinates run than the face's: a power of two, negative where it is
+    /// turned by half a turn.
     #[inline(always)]
     pub const fn scale(self) -> f64 {
-        match self {
-            Self::Whole | Self::Vertex { .. } => 1.0,
-            Self::Middle => -2.0,
-            // Built from its exponent: 2^(depth + 2).
-            Self::Corner { depth, quarter, .. } => {
-                let size = f64::from_bits((1025 + depth as u64) << 52);
-                if quarter == 2 { -size } else { size }
-            }
+        if self.corner() == 3 {
+            return if self.quarter() == 0 { -2.0 } else { 1.0 };
         }
-    }
-}
-
-/// Derivatives by a face's coordinates from those by coordinates that run from `corner` towards the
-/// next corner (`a`) and the one after (`b`), `scale` times as fast.
-#[inline(always)]
-pub fn to_face<V: Vector>(corner: u8, scale: f64, a: V, b: V) -> [V; 2] {
-    let (a, b) = (a * scale, b * scale);
-    match corner {
-        0 => [a, b],
-        1 => [b * -1.0, a - b],
-        _ => [b - a, a * -1.0],
+        if self.depth() == DEEPEST {
+            return 1.0;
+        }
+        // Built from its exponent: 2^(depth + 1).
+        let size = f64::from_bits((1024 + self.depth() as u64) << 52);
+        match self.quarter() {
+            0 | 1 => 2.0 * size,
+            2 => -2.0 * size,
+            _ => size,
+        }
     }
 }
 
@@ -75,7 +84,7 @@ pub fn to_face<V: Vector>(corner: u8, scale: f64, a: V, b: V) -> [V; 2] {
 pub struct Place {
     /// The piece.
     pub piece: Piece,
-    /// The piece's own coordinates, in its unit triangle.
+    /// The piece's own coordinates, in its unit triangle. They run along the face's.
     pub s: f64,
     /// As `s`.
     pub t: f64,
@@ -96,64 +105,110 @@ fn clamp_outside(s: f64, t: f64) -> (f64, f64) {
     if sum <= 1.0 { (s, t) } else { (s / sum, t / sum) }
 }
 
-/// Which quarter of a face that is not regular holds `(s, t)`: the corner's number, or 3 for the
-/// middle; and the weights of the two corners after that corner, or `(s, t)` again.
-#[inline(always)]
-pub fn quarter_of_face(s: f64, t: f64) -> (u8, f64, f64) {
-    // Exact, or off by one rounding of a number no larger than the distance to the corner.
-    let r = 1.0 - s - t;
-    let r = r.max(0.0);
-    let (second, third, first) = (u8::from(s > 0.5), u8::from(t > 0.5), u8::from(s + t < 0.5));
-    // Looked up instead of branched to: the quarters of random places cannot be foreseen. At most one
-    // of the three is 1.
-    let quarter = 3 - 2 * second - third - 3 * first;
-    let weights = [r, s, t, r, s, t];
-    (quarter, weights[usize::from(quarter) + 1], weights[usize::from(quarter) + 2])
-}
-
-/// Which quarter next to a corner holds the place with weights `a` and `b`, together in (1/2, 1].
-#[inline(always)]
-pub fn quarter_of_corner(a: f64, b: f64) -> u8 {
-    // 0 beside the first edge, 1 beside the second, 2 between.
-    2_u8.saturating_sub(2 * u8::from(a > 0.5) + u8::from(b > 0.5))
-}
-
-/// The coordinates in quarter `quarter` of what has weights `a` and `b` at the corner, and how much
-/// faster they run than those weights.
-#[inline(always)]
-pub fn in_quarter(quarter: u8, a: f64, b: f64) -> (f64, f64, f64) {
-    const TURN: [(f64, f64, f64); 3] = [(2.0, -1.0, 0.0), (2.0, 0.0, -1.0), (-2.0, 1.0, 1.0)];
-    let (turn, s, t) = TURN[usize::from(quarter)];
-    (a * turn + s, b * turn + t, turn)
-}
-
 impl Place {
     /// The place of `(s, t)` in a regular face.
     #[inline(always)]
     pub fn in_regular(s: f64, t: f64) -> Self {
         let (s, t) = clamp(s, t);
-        Self { piece: Piece::Whole, s, t }
+        Self { piece: Piece::WHOLE, s, t }
     }
 
-    /// The place of `(s, t)` in a face that is not regular.
-    ///
-    /// All differences are exact or of one rounding of `1 - s - t`, so a point as near to a corner
-    /// as its coordinates can say is found in a piece of its own size.
-    pub fn in_irregular(s: f64, t: f64) -> Self {
+    /// The place of `(s, t)` in a face that is not regular and whose corners are as `regular` says.
+    #[inline(always)]
+    pub fn in_irregular(s: f64, t: f64, regular: u64) -> Self {
         let (s, t) = clamp(s, t);
-        let (corner, a, b) = quarter_of_face(s, t);
-        if corner == 3 {
-            return Self { piece: Piece::Middle, s: 1.0 - 2.0 * s, t: 1.0 - 2.0 * t };
-        }
-        let (mut a, mut b) = (2.0 * a, 2.0 * b);
-        for depth in 0..DEEPEST {
-            if a + b > 0.5 {
-                let quarter = quarter_of_corner(a, b);
-                let (s, t, _) = in_quarter(quarter, a, b);
-                return Self { piece: Piece::Corner { corner, depth, quarter }, s, t };
+        let (piece, s, t) = in_piece(s, t, regular);
+        Self { piece: Piece(piece as u16), s, t }
+    }
+}
+
+/// The piece of a face that is not regular in which `(s, t)` of its unit triangle lies, as a number
+/// (see [`Piece`]), and the place there. Bit `i` of `regular` says that corner `i` is regular: all that
+/// is left around it after the first quartering is one polynomial.
+///
+/// All differences are exact or of one rounding of `1 - s - t` or of a weight in the piece, so a point
+/// as near to a corner as its coordinates can say is found in a piece of its own size.
+///
+/// Without a branch, because for random places none could be foreseen, and so that a loop over places
+/// is done in lanes.
+#[inline(always)]
+pub fn in_piece(s: f64, t: f64, regular: u64) -> (u64, f64, f64) {
+    // Exact, or off by one rounding of a number no larger than the distance to the corner.
+    let r = (1.0 - s - t).max(0.0);
+    let (first, second, third) = (s + t < 0.5, s > 0.5, t > 0.5);
+    let corner = pick(first, second, [0, 1, 2]);
+    // The weights of the two corners after the corner that it is nearest to.
+    let (a, b) = (pick(first, second, [s, t, r]), pick(first, second, [t, r, s]));
+    let whole = (regular >> corner) & 1 != 0;
+
+    // Left behind at the depth where doubling has brought their sum to above a half. The exponent of
+    // what comes before the sum says how often that is; a half itself is below.
+    let exponent = ((a + b).clamp(NEAREST, 0.5).to_bits() - 1) >> 52;
+    let exponent = if whole { DEPTH_0 } else { exponent };
+    let depth = DEPTH_0 - exponent;
+    let doubled = f64::from_bits((1024 + DEPTH_0 - exponent) << 52);
+    let (a, b) = (a * doubled, b * doubled);
+
+    // 0 beside the first edge, 1 beside the second, 2 between.
+    let (beside_first, beside_second) = (a > 0.5, b > 0.5);
+    let turn = pick(whole, beside_first | beside_second, [1.0, 2.0, -2.0]);
+    let shift_a = pick(whole, beside_first, [0.0, -1.0, pick(beside_second, true, [0.0, 1.0, 1.0])]);
+    let shift_b = pick(whole, beside_first, [0.0, 0.0, pick(beside_second, true, [-1.0, 1.0, 1.0])]);
+    let quarter = pick(whole, beside_first, [3, 0, pick(beside_second, true, [1, 2, 2])]);
+    let (x, y) = (a * turn + shift_a, b * turn + shift_b);
+    let z = 1.0 - x - y;
+
+    let at_vertex = depth == u64::from(DEEPEST);
+    let s_there = pick(at_vertex, first, [0.0, x, pick(second, true, [z, y, y])]);
+    let t_there = pick(at_vertex, first, [0.0, y, pick(second, true, [x, z, z])]);
+    let there = 16 * depth + 4 * corner + quarter;
+    if first | second | third { (there, s_there, t_there) } else { (12, 1.0 - 2.0 * s, 1.0 - 2.0 * t) }
+}
+
+/// The exponent of numbers in `[1/4, 1/2)`, as it is stored.
+const DEPTH_0: u64 = 1021;
+/// In the middle of `(2^-86, 2^-85]`: what lies nearer to a corner than depth [`DEEPEST`] begins.
+const NEAREST: f64 = 1.5 * f64::from_bits((1023 - 86) << 52);
+
+/// The first of `values` if `first`, else the second if `second`, else the third.
+#[inline(always)]
+fn pick<T: Copy>(first: bool, second: bool, values: [T; 3]) -> T {
+    if first {
+        values[0]
+    } else if second {
+        values[1]
+    } else {
+        values[2]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::subdivision::plain::tests::meshes::Random;
+
+    /// A piece's coordinates run straight along the face's, as fast as it says, and fill its triangle.
+    #[test]
+    fn pieces_are_scaled_copies_of_the_face() {
+        let mut random = Random(5);
+        for regular in 0..8 {
+            let mut seen: Vec<Option<Place>> = vec![None; 16 * usize::from(DEEPEST + 1)];
+            let mut found = 0;
+            for i in 0..20_000 {
+                let (s, t) = random.place();
+                let near = 2_f64.powi(-(i % 5));
+                let at = Place::in_irregular(s * near, t * near, regular);
+                let size = 1e-15 + f64::EPSILON * at.piece.scale().abs();
+                assert!(at.s > -size && at.t > -size && at.s + at.t < 1.0 + size, "{at:?}");
+                let origin =
+                    Place { s: at.s - at.piece.scale() * s * near, t: at.t - at.piece.scale() * t * near, ..at };
+                match seen[at.piece.index()].replace(origin) {
+                    Some(o) => assert!((o.s - origin.s).abs() < 4.0 * size && (o.t - origin.t).abs() < 4.0 * size),
+                    None => found += 1,
+                }
             }
-            (a, b) = (2.0 * a, 2.0 * b);
+            // Four where every corner is regular; more around each that is not.
+            assert_eq!(regular == 7, found == 4, "{found} pieces");
         }
-        Self { piece: Piece::Vertex { corner }, s: 0.0, t: 0.0 }
     }
 }

@@ -1,9 +1,10 @@
 //! Which rule acts at each vertex, and which faces one polynomial covers.
 
-use core::ops::Range;
 use std::sync::Arc;
 
 use thiserror::Error;
+
+use super::block;
 
 use crate::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
 use crate::subdivision::masks;
@@ -92,7 +93,7 @@ pub(super) struct InteriorMask {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FinerCorner {
     pub rule: VertexRule,
-    /// The corner's own block: its limit, itself, then its ring.
+    /// The corner's own block.
     pub block: u32,
     pub valence: u32,
     /// The place in the ring of the midpoint of the edge to the face's next corner.
@@ -103,6 +104,14 @@ pub(super) struct FinerCorner {
     /// The midpoint of the edge from the corner after next to the far vertex across the edge
     /// between; [`NONE`] across a border.
     pub after: u32,
+}
+
+impl FinerCorner {
+    /// Is it an interior vertex of valence 6?
+    #[inline(always)]
+    fn is_regular(&self) -> bool {
+        self.rule == VertexRule::Interior && self.valence == 6
+    }
 }
 
 /// No such place.
@@ -129,7 +138,7 @@ impl PlainTopology {
             count - 1
         };
         let irregular: Vec<u32> = mesh.faces().iter().map(place).collect();
-        let blocks = blocks(&mesh, &rules, &irregular)?;
+        let blocks = blocks(&mesh, &irregular)?;
         let corners = finer_corners(&mesh, &rules, &irregular, &blocks);
         let masks = interior_masks(&mesh);
         Ok(Self { mesh, rules, irregular, corners, blocks, masks })
@@ -158,17 +167,25 @@ impl PlainTopology {
         self.corners.len()
     }
 
+    /// Which corners of a face that is not regular are: bit `i` says so of corner `i`. Only those inside
+    /// count, not those on borders.
+    #[inline(always)]
+    pub fn regular_corners(&self, face: FaceId) -> u64 {
+        let [a, b, c] = self.finer_corners(face);
+        u64::from(a.is_regular()) | u64::from(b.is_regular()) << 1 | u64::from(c.is_regular()) << 2
+    }
+
     /// The corners of a face that is not regular.
     #[inline(always)]
     pub(super) fn finer_corners(&self, face: FaceId) -> &[FinerCorner; 3] {
         &self.corners[self.irregular[face.index()] as usize]
     }
 
-    /// The places of what surrounds `v` one step finer: its limit, `v` itself, then the midpoints of its
-    /// edges in the order of its ring; around an interior vertex the first of them once more.
+    /// Where the block of `v` begins, if it has one.
     #[inline(always)]
-    pub(super) fn block(&self, v: VertexId) -> Range<usize> {
-        self.blocks[v.index()] as usize..self.blocks[v.index() + 1] as usize
+    pub(super) fn block(&self, v: VertexId) -> Option<u32> {
+        let [block, next] = [self.blocks[v.index()], self.blocks[v.index() + 1]];
+        (block < next).then_some(block)
     }
 
     /// How many finer points are kept.
@@ -213,12 +230,11 @@ fn interior_masks(mesh: &Connectivity) -> Vec<InteriorMask> {
 }
 
 /// Blocks for the corners of all faces that are not regular.
-fn blocks(mesh: &Connectivity, rules: &[VertexRule], irregular: &[u32]) -> Result<Vec<u32>, PlainError> {
+fn blocks(mesh: &Connectivity, irregular: &[u32]) -> Result<Vec<u32>, PlainError> {
     let mut size = vec![0_u32; mesh.vertex_count() + 1];
     for (corners, _) in mesh.faces().iter().zip(irregular).filter(|(_, place)| **place != NONE) {
         for v in corners {
-            let closing = u32::from(rules[v.index()] == VertexRule::Interior);
-            size[v.index() + 1] = 2 + mesh.valence(*v) + closing;
+            size[v.index() + 1] = block::size(mesh.valence(*v));
         }
     }
     let total: u64 = size.iter().map(|&s| u64::from(s)).sum();
@@ -240,7 +256,7 @@ fn finer_corners(
     // For each half-edge that leaves a vertex with a block: the place of its edge's midpoint there.
     let mut slots = vec![NONE; 3 * mesh.face_count()];
     for v in (0..mesh.vertex_count()).filter(|&v| blocks[v] < blocks[v + 1]) {
-        for (slot, h) in (blocks[v] + 2..).zip(mesh.ring(VertexId::new(v))) {
+        for (slot, h) in (blocks[v] + block::RING..).zip(mesh.ring(VertexId::new(v))) {
             slots[h.index()] = slot;
         }
     }
@@ -250,7 +266,7 @@ fn finer_corners(
             rule: rules[v.index()],
             block: blocks[v.index()],
             valence: mesh.valence(v),
-            first: slots[h.index()] - blocks[v.index()] - 2,
+            first: slots[h.index()] - blocks[v.index()] - block::RING,
             // The one after the twin, which leaves the next corner, in the ring there; a closed ring
             // ends with its first point again.
             before: mesh.twin(h).map_or(NONE, |twin| slots[twin.index()] + 1),

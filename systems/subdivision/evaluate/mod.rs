@@ -1,23 +1,20 @@
 //! Evaluate: many places of a plain Loop surface at once.
 //!
-//! Places are brought together by face, and by polynomial where a face has several; each polynomial
-//! is made once and evaluated in as many lanes as the machine has. Which places come together changes
-//! no bit of any result.
+//! Places are brought together by face; of a face that has several polynomials those that its places
+//! need are made, each once. Which places come together changes no bit of any result.
 
-use core::hint::black_box;
-
-use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 use selvedge_components::evaluate::{Jet, SurfacePoint};
 use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::PlainLoop;
-use selvedge_components::subdivision::boxspline::Quartic;
-use selvedge_components::subdivision::plain::place;
-use selvedge_components::subdivision::plain::{AsStored, CornerPieces, PatchReader};
+use selvedge_components::subdivision::plain::AsStored;
 use thiserror::Error;
 
 use super::lanes::{AsLanes, Store};
 use crate::parallel;
+use worker::{Located, Put, Worker};
+
+mod worker;
 
 /// Why places were not evaluated.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -145,12 +142,6 @@ fn sort_by_face(places: &[SurfacePoint], faces: usize) -> Vec<Record> {
     records
 }
 
-/// Where results go.
-trait Put {
-    /// Takes the result of the `index`-th place.
-    fn put(&mut self, index: usize, jet: Jet);
-}
-
 /// Results go where the records say.
 struct Scattered<'a, 'b> {
     run: &'a [Record],
@@ -194,16 +185,8 @@ impl WithSimd for Scatter<'_> {
 impl Scatter<'_> {
     #[inline(always)]
     fn run(self, store: impl Store) {
-        let mut worker = Worker::new(self.surface, store);
-        let mut runs = self.records.chunk_by(|a, b| a.face == b.face).peekable();
-        while let Some(run) = runs.next() {
-            // Faces that neighbour in number seldom do in memory; their points come while this one's are
-            // worked on.
-            if let Some(next) = runs.peek() {
-                black_box(worker.reader.touch(FaceId(next[0].face)));
-            }
-            worker.face(FaceId(run[0].face), run, &mut Scattered { run, jets: self.jets });
-        }
+        let mut put = Scattered { run: self.records, jets: self.jets };
+        Worker::new(self.surface, store).run(self.records, &mut put);
     }
 }
 
@@ -226,22 +209,16 @@ impl WithSimd for Follow<'_> {
 impl Follow<'_> {
     #[inline(always)]
     fn run(self, store: impl Store) {
-        let mut worker = Worker::new(self.surface, store);
-        let mut jets = self.jets;
-        for run in self.places.chunk_by(|a, b| a.face == b.face) {
-            let (own, rest) = jets.split_at_mut(run.len());
-            jets = rest;
-            worker.face(run[0].face, run, &mut InOrder(own));
-        }
+        Worker::new(self.surface, store).run(self.places, &mut InOrder(self.jets));
     }
 }
 
-/// What has a place in a face.
-trait Located {
-    fn st(&self) -> (f64, f64);
-}
-
 impl Located for Record {
+    #[inline(always)]
+    fn face(&self) -> FaceId {
+        FaceId(self.face)
+    }
+
     #[inline(always)]
     fn st(&self) -> (f64, f64) {
         (self.s, self.t)
@@ -250,178 +227,13 @@ impl Located for Record {
 
 impl Located for SurfacePoint {
     #[inline(always)]
+    fn face(&self) -> FaceId {
+        self.face
+    }
+
+    #[inline(always)]
     fn st(&self) -> (f64, f64) {
         (self.st.x, self.st.y)
-    }
-}
-
-/// A place on its way through the pieces of a face.
-#[derive(Clone, Copy, Default)]
-struct Waiting {
-    /// The weights of the two corners after the corner that the place is nearest to; in the middle
-    /// quarter the face's own coordinates.
-    a: f64,
-    b: f64,
-    index: u32,
-    quarter: u8,
-}
-
-/// A list that takes what it is offered only when told to: without a branch, because for random
-/// places none could be foreseen.
-#[derive(Clone, Default)]
-struct Sieve {
-    /// The first `count` are taken.
-    places: Vec<Waiting>,
-    count: usize,
-}
-
-impl Sieve {
-    /// Empties the list and makes room for as many as `most`.
-    #[inline(always)]
-    fn clear(&mut self, most: usize) {
-        self.count = 0;
-        // One more, for what is offered and not taken when the list is full.
-        if self.places.len() <= most {
-            self.places.resize(most + 1, Waiting::default());
-        }
-    }
-
-    #[inline(always)]
-    fn offer(&mut self, place: Waiting, take: bool) {
-        self.places[self.count] = place;
-        self.count += usize::from(take);
-    }
-
-    #[inline(always)]
-    fn taken(&self) -> &[Waiting] {
-        &self.places[..self.count]
-    }
-}
-
-/// Evaluates face by face; scratch is kept between faces.
-struct Worker<'a, L: Store> {
-    store: L,
-    surface: &'a PlainLoop,
-    reader: PatchReader<'a, L>,
-    pieces: CornerPieces<L::Vector>,
-    /// The places of one face: those near each corner, and those in the middle.
-    waiting: [Sieve; 4],
-    /// Those that the present depth of a corner reaches.
-    reached: Sieve,
-    quarters: [Quartic<L::Vector>; 3],
-}
-
-impl<'a, L: Store> Worker<'a, L> {
-    #[inline(always)]
-    fn new(surface: &'a PlainLoop, store: L) -> Self {
-        let reader = PatchReader::new(surface, store);
-        let none = Quartic { coefficients: [store.load(DVec3::ZERO); 14] };
-        let (waiting, reached, quarters) = (Default::default(), Sieve::default(), [none; 3]);
-        Self { store, surface, reader, pieces: reader.scratch(), waiting, reached, quarters }
-    }
-
-    /// Evaluates `places` of `face`; `put` gets each place's index and result.
-    #[inline(always)]
-    fn face(&mut self, face: FaceId, places: &[impl Located], put: &mut impl Put) {
-        if self.surface.topology().is_regular(face) {
-            let quartic = self.reader.whole(face);
-            for (i, place) in places.iter().enumerate() {
-                let (s, t) = place.st();
-                let (s, t) = place::clamp(s, t);
-                put.put(i, self.jet(&quartic, (s, t), (0, 1.0)));
-            }
-        } else {
-            self.irregular_face(face, places, put);
-        }
-    }
-
-    #[inline(always)]
-    fn irregular_face(&mut self, face: FaceId, places: &[impl Located], put: &mut impl Put) {
-        for waiting in &mut self.waiting {
-            waiting.clear(places.len());
-        }
-        self.reached.clear(places.len());
-        for (i, place) in places.iter().enumerate() {
-            let (s, t) = place.st();
-            let (s, t) = place::clamp(s, t);
-            let (quarter, a, b) = place::quarter_of_face(s, t);
-            let place = Waiting { a, b, index: i as u32, quarter };
-            self.waiting[usize::from(quarter & 3)].offer(place, true);
-        }
-        if self.waiting[3].count > 0 {
-            let quartic = self.reader.middle(face);
-            for w in self.waiting[3].taken() {
-                let st = (1.0 - 2.0 * w.a, 1.0 - 2.0 * w.b);
-                put.put(w.index as usize, self.jet(&quartic, st, (0, -2.0)));
-            }
-        }
-        for corner in 0..3 {
-            if self.waiting[usize::from(corner)].count > 0 {
-                self.corner(face, corner, put);
-            }
-        }
-    }
-
-    /// Evaluates the places near a corner, depth by depth.
-    #[inline(always)]
-    fn corner(&mut self, face: FaceId, corner: u8, put: &mut impl Put) {
-        self.reader.corner(face, corner, &mut self.pieces);
-        let mut scale = 2.0;
-        for _ in 0..place::DEEPEST {
-            let wanted = self.reach(corner);
-            if wanted & 1 != 0 {
-                self.quarters[0] = self.pieces.quarter(0);
-            }
-            if wanted & 2 != 0 {
-                self.quarters[1] = self.pieces.quarter(1);
-            }
-            if wanted & 4 != 0 {
-                self.quarters[2] = self.pieces.quarter(2);
-            }
-            for w in self.reached.taken() {
-                let (s, t, turn) = place::in_quarter(w.quarter, w.a, w.b);
-                let quartic = &self.quarters[usize::from(w.quarter)];
-                put.put(w.index as usize, self.jet(quartic, (s, t), (corner, turn * scale)));
-            }
-            if self.waiting[usize::from(corner)].count == 0 {
-                return;
-            }
-            self.pieces.descend();
-            scale *= 2.0;
-        }
-        let plane = self.reader.tangent_plane(face, corner);
-        for w in self.waiting[usize::from(corner)].taken() {
-            put.put(w.index as usize, self.jet(&plane, (0.0, 0.0), (corner, 1.0)));
-        }
-    }
-
-    /// Takes what the next depth reaches from the places that wait near `corner`; which quarters hold
-    /// any, as bits.
-    #[inline(always)]
-    fn reach(&mut self, corner: u8) -> u8 {
-        let waiting = &mut self.waiting[usize::from(corner)];
-        let count = core::mem::take(&mut waiting.count);
-        self.reached.count = 0;
-        let mut wanted = 0;
-        for i in 0..count {
-            let w = waiting.places[i];
-            let (a, b) = (2.0 * w.a, 2.0 * w.b);
-            let quarter = place::quarter_of_corner(a, b);
-            let (place, now) = (Waiting { a, b, index: w.index, quarter }, a + b > 0.5);
-            wanted |= u8::from(now) << quarter;
-            self.reached.offer(place, now);
-            waiting.offer(place, !now);
-        }
-        wanted
-    }
-
-    /// The value at `(s, t)`; derivatives are turned to the face's coordinates from those of `corner`,
-    /// `scale` times as fast.
-    #[inline(always)]
-    fn jet(&self, quartic: &Quartic<L::Vector>, (s, t): (f64, f64), (corner, scale): (u8, f64)) -> Jet {
-        let [position, ds, dt] = quartic.with_derivatives(s, t);
-        let [ds, dt] = place::to_face(corner, scale, ds, dt);
-        Jet { position: self.store.store(position), ds: self.store.store(ds), dt: self.store.store(dt) }
     }
 }
 

@@ -81,7 +81,7 @@ struct Block<'a> {
 /// Scratch of one block.
 struct Scratch<'a> {
     reader: PatchReader<'a>,
-    pieces: CornerPieces<DVec3>,
+    pieces: CornerPieces<'a, AsStored>,
     run: Vec<DVec3>,
     /// The whole lattice of one face.
     face: Vec<DVec3>,
@@ -201,7 +201,7 @@ impl<S: Sample> Pass<'_, S> {
                 if depth > 0 {
                     scratch.pieces.descend();
                 }
-                let [first, second, third] = [0, 1, 2].map(|quarter| scratch.pieces.quarter(quarter));
+                let [first, second, third] = [0, 1, 2].map(|quarter| scratch.pieces.quarter(depth as u8, quarter, 0));
                 self.sample_piece(&first, along, scratch, |a, b| place(size + a, b));
                 self.sample_piece(&second, along, scratch, |a, b| place(a, size + b));
                 if size > 1 {

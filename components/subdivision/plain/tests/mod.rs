@@ -1,4 +1,4 @@
-mod meshes;
+pub(super) mod meshes;
 mod oracle;
 
 use std::sync::Arc;

@@ -1,0 +1,233 @@
+//! Evaluates places in turn; what one face is made of is made once, as far as its places need it.
+
+use core::hint::black_box;
+use core::ops::Range;
+
+use glam::DVec3;
+use selvedge_components::evaluate::Jet;
+use selvedge_components::mesh::FaceId;
+use selvedge_components::subdivision::PlainLoop;
+use selvedge_components::subdivision::boxspline::Quartic;
+use selvedge_components::subdivision::plain::place::{self, DEEPEST};
+use selvedge_components::subdivision::plain::{CornerPieces, PatchReader, Piece};
+
+use super::super::lanes::Store;
+
+/// A place and where its result belongs.
+pub(super) trait Located {
+    fn face(&self) -> FaceId;
+    fn st(&self) -> (f64, f64);
+}
+
+/// Where results go.
+pub(super) trait Put {
+    /// Takes the result of the `index`-th place.
+    fn put(&mut self, index: usize, jet: Jet);
+}
+
+/// Places that are looked at together: as many as that what their faces are made of fits into the
+/// nearest cache.
+const BLOCK: usize = 64;
+
+/// Where in their faces the places of a block lie; lists, so that it is found out in lanes.
+struct Block {
+    s: [f64; BLOCK],
+    t: [f64; BLOCK],
+    /// Which corners of their faces are regular.
+    regular: [u64; BLOCK],
+    /// The pieces of faces that are not regular, and the places in them.
+    piece: [u64; BLOCK],
+    piece_s: [f64; BLOCK],
+    piece_t: [f64; BLOCK],
+    /// Which places begin where there is a new face; the first `runs` count.
+    starts: [u8; BLOCK],
+    runs: usize,
+}
+
+impl Block {
+    const EMPTY: Self = Self {
+        s: [0.0; BLOCK],
+        t: [0.0; BLOCK],
+        regular: [0; BLOCK],
+        piece: [0; BLOCK],
+        piece_s: [0.0; BLOCK],
+        piece_t: [0.0; BLOCK],
+        starts: [0; BLOCK],
+        runs: 0,
+    };
+
+    /// Reads up to [`BLOCK`] places.
+    #[inline(always)]
+    fn read(&mut self, places: &[impl Located]) {
+        self.runs = 0;
+        let mut last = None;
+        for (i, ((place, s), t)) in places.iter().zip(&mut self.s).zip(&mut self.t).enumerate() {
+            let (at_s, at_t) = place.st();
+            (*s, *t) = place::clamp(at_s, at_t);
+            if last != Some(place.face()) {
+                last = Some(place.face());
+                self.starts[self.runs & (BLOCK - 1)] = i as u8;
+                self.runs += 1;
+            }
+        }
+    }
+
+    /// The `run`-th run of places of `count` with one face.
+    #[inline(always)]
+    fn run(&self, run: usize, count: usize) -> Range<usize> {
+        let end = if run + 1 < self.runs { usize::from(self.starts[run + 1]) } else { count };
+        usize::from(self.starts[run])..end
+    }
+
+    #[inline(always)]
+    fn find_pieces(&mut self) {
+        for i in 0..BLOCK {
+            (self.piece[i], self.piece_s[i], self.piece_t[i]) = place::in_piece(self.s[i], self.t[i], self.regular[i]);
+        }
+    }
+}
+
+/// The polynomial of a piece of the `face`-th face that is not regular.
+#[derive(Clone, Copy)]
+struct Made<V> {
+    face: u32,
+    scale: f64,
+    quartic: Quartic<V>,
+}
+
+/// Evaluates places in turn; scratch is kept between faces.
+pub(super) struct Worker<'a, L: Store> {
+    store: L,
+    surface: &'a PlainLoop,
+    reader: PatchReader<'a, L>,
+    block: Block,
+    corners: [CornerPieces<'a, L>; 3],
+    /// By the index of a piece.
+    pieces: Vec<Made<L::Vector>>,
+    /// How many faces there have been.
+    faces: u32,
+}
+
+impl<'a, L: Store> Worker<'a, L> {
+    #[inline(always)]
+    pub fn new(surface: &'a PlainLoop, store: L) -> Self {
+        let reader = PatchReader::new(surface, store);
+        let corners = [reader.scratch(), reader.scratch(), reader.scratch()];
+        Self { store, surface, reader, block: Block::EMPTY, corners, pieces: Vec::new(), faces: 0 }
+    }
+
+    /// Evaluates `places`; what has the same face should stand together.
+    #[inline(always)]
+    pub fn run(&mut self, places: &[impl Located], put: &mut impl Put) {
+        let irregular = self.surface.topology().irregular_count() > 0;
+        let mut last = None;
+        for (number, places) in places.chunks(BLOCK).enumerate() {
+            self.block.read(places);
+            if irregular {
+                self.look_at_faces(places);
+                self.block.find_pieces();
+            }
+            for run in 0..self.block.runs {
+                let run = self.block.run(run, places.len());
+                let face = places[run.start].face();
+                if self.surface.topology().is_regular(face) {
+                    self.regular(face, run, BLOCK * number, put);
+                } else {
+                    if last != Some(face) {
+                        self.begin_face();
+                    }
+                    self.irregular(face, run, BLOCK * number, put);
+                }
+                last = Some(face);
+            }
+        }
+    }
+
+    /// Notes which corners are regular; and reads a little of what the faces of `places` are made of, all
+    /// at once: what is far away in memory is then waited for once and not face by face.
+    #[inline(always)]
+    fn look_at_faces(&mut self, places: &[impl Located]) {
+        let mut sum = 0.0;
+        for run in 0..self.block.runs {
+            let run = self.block.run(run, places.len());
+            let face = places[run.start].face();
+            sum += self.reader.touch(face);
+            let topology = self.surface.topology();
+            let regular = if topology.is_regular(face) { 0 } else { topology.regular_corners(face) };
+            self.block.regular[run].fill(regular);
+        }
+        black_box(sum);
+    }
+
+    #[inline(always)]
+    fn regular(&self, face: FaceId, run: Range<usize>, first: usize, put: &mut impl Put) {
+        let quartic = self.reader.whole(face);
+        let at = self.block.s[run.clone()].iter().zip(&self.block.t[run.clone()]);
+        for (i, (&s, &t)) in (first + run.start..).zip(at) {
+            put.put(i, self.jet(&quartic, s, t, 1.0));
+        }
+    }
+
+    #[inline(always)]
+    fn begin_face(&mut self) {
+        self.faces += 1;
+        for corner in &mut self.corners {
+            corner.clear();
+        }
+    }
+
+    #[inline(always)]
+    fn irregular(&mut self, face: FaceId, run: Range<usize>, first: usize, put: &mut impl Put) {
+        for i in run {
+            let i = i & (BLOCK - 1);
+            let piece = self.block.piece[i] as usize;
+            if self.pieces.get(piece).is_none_or(|made| made.face != self.faces) {
+                self.make(face, piece);
+            }
+            let Made { scale, quartic, .. } = &self.pieces[piece];
+            put.put(first + i, self.jet(quartic, self.block.piece_s[i], self.block.piece_t[i], *scale));
+        }
+    }
+
+    /// Makes the polynomial of a piece.
+    #[inline(always)]
+    fn make(&mut self, face: FaceId, index: usize) {
+        if self.pieces.len() <= index {
+            self.grow(index);
+        }
+        let piece = Piece::from_index(index);
+        let made = &mut self.pieces[index];
+        (made.face, made.scale) = (self.faces, piece.scale());
+        // Each where it is made: a polynomial is too large to be handed around.
+        if piece == Piece::MIDDLE {
+            made.quartic = self.reader.middle(face);
+        } else if piece.quarter() == 3 {
+            made.quartic = self.reader.regular_corner(face, piece.corner());
+        } else if piece.depth() == DEEPEST {
+            made.quartic = self.reader.tangent_plane(face, piece.corner());
+        } else {
+            let pieces = &mut self.corners[usize::from(piece.corner())];
+            if pieces.depths() == 0 {
+                self.reader.corner(face, piece.corner(), pieces);
+            }
+            while pieces.depths() <= usize::from(piece.depth()) {
+                pieces.descend();
+            }
+            made.quartic = pieces.quarter(piece.depth(), piece.quarter(), piece.corner());
+        }
+    }
+
+    #[cold]
+    fn grow(&mut self, index: usize) {
+        let none = Made { face: 0, scale: 0.0, quartic: Quartic { coefficients: [self.store.load(DVec3::ZERO); 14] } };
+        self.pieces.resize(index + 1, none);
+    }
+
+    /// The value at `(s, t)` of a polynomial whose coordinates run `scale` times as fast as the face's.
+    #[inline(always)]
+    fn jet(&self, quartic: &Quartic<L::Vector>, s: f64, t: f64, scale: f64) -> Jet {
+        let [position, ds, dt] = quartic.with_derivatives(s, t);
+        let (ds, dt) = (ds * scale, dt * scale);
+        Jet { position: self.store.store(position), ds: self.store.store(ds), dt: self.store.store(dt) }
+    }
+}
