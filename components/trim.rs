@@ -26,8 +26,9 @@ use crate::tolerance::Tolerance;
 /// A trim: directed curves that cut a source. What lies on their left stays.
 ///
 /// Spawn an entity with it, with [`TrimOptions`] and a [`Tolerance`] if you like, and it begins in
-/// the next pass. All trims of one source together leave its result: what stays lies on the left of
-/// each of them. Their order, where it shows, is that of their serials. A trim begins again when
+/// the next pass. Each trim by itself leaves what lies on the left of its curves, which together are
+/// one border, and all trims of one source leave its result: what each of them leaves. Their order,
+/// where it shows, is that of their serials. A trim begins again when
 /// anything that it reads has become another: source, curves, tolerance, options, budgets.
 #[derive(Component, Clone, Debug, PartialEq, Eq)]
 #[require(TrimOptions)]

@@ -343,7 +343,7 @@ pub const STAGES: &[StageContract] = &[
         set: "SubdivisionStage::Advance",
         system: Some("compose_results"),
         does: "puts together what is left of each source, once none of its trims is at work",
-        reads: &["ComposedOf", "DetailOf", "Ground", "ResultOf", "Solved", "Stale", "Trim", "TrimmedTo"],
+        reads: &["ComposedOf", "DetailOf", "Ground", "ResultOf", "Serial", "Solved", "Stale", "Trim", "TrimmedTo"],
         writes: &["Serials", "SubdivisionDiagnostics", "TrimJob"],
         inserts: &["TrimFailed", "TrimmedTo", "entities with Snapshot, ResultOf, ComposedOf"],
         removes: &["LocateWork", "Solved", "Stale", "TrimReport", "entities with DetailOf(trim)"],

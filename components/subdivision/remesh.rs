@@ -125,9 +125,12 @@ pub enum RemeshError {
         /// A point of the part.
         at: DVec3,
     },
-    /// Nothing is left.
-    #[error("nothing is left of the surface: no part lies on the left of all curves")]
-    NothingLeft,
+    /// Nothing is left: what lies on the left of this curve lies on the right of others.
+    #[error("nothing is left of the surface: what curve {curve} leaves, others take away")]
+    NothingLeft {
+        /// A curve of the newest set that is in the way, by index.
+        curve: usize,
+    },
     /// The cage would have to be finer than faces can be addressed, or than was allowed.
     #[error("the cage would have to be finer than level {limit} at {at} (curve {curve}, u = {u})")]
     TooFine {

@@ -1,7 +1,7 @@
 //! # Contours: the borders that the curves together make
 //!
-//! Where curves cross they are cut into pieces. A piece stays if its left is on the left of all curves
-//! ([`winding`](super::winding)); the pieces that stay follow each other from crossing to crossing, and
+//! Where curves cross they are cut into pieces. A piece stays if what is on its left stays
+//! ([`sets`](super::sets)); the pieces that stay follow each other from crossing to crossing, and
 //! make up contours that run round or from border to border. Everything after works contour by
 //! contour: each is one curve of one parameter, with a corner at each junction.
 
@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use selvedge_components::curve::{Curve, Heading, wrap};
-use selvedge_components::mesh::{Connectivity, FaceId};
+use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::remesh::{PreImageError, RemeshError};
 use selvedge_components::subdivision::{LoopSurface, NONE};
 use selvedge_components::trim::Junction;
@@ -19,6 +19,7 @@ use super::borders::Borders;
 use super::crossing::{self, Crossing};
 use super::junction::{self, JunctionOptions, Meeting};
 use super::path::Leg;
+use super::sets::{Sets, Stays};
 use super::track::{Near, Track, TrackPoint};
 use super::winding::{Way, Ways, Winding};
 use super::{Cut, PreImage};
@@ -183,12 +184,12 @@ pub struct Arrangement {
     /// The curves no part of which is a border, ascending.
     pub unused: Vec<usize>,
     /// What tells left from right.
-    pub winding: Winding,
+    pub stays: Stays,
 }
 
 /// A stretch before it is known whether it stays.
-struct Stretch {
-    span: Span,
+pub(super) struct Stretch {
+    pub span: Span,
     /// Where it begins and ends on its curve's track.
     from: Near,
     to: Near,
@@ -215,12 +216,10 @@ pub fn arrange(
     })?;
     let meetings =
         crossings.iter().map(|c| junction::meet(&curves, cuts, c, options)).collect::<Result<Vec<_>, _>>()?;
-    let mut winding = Winding::new(mesh, ways).map_err(|face| not_separating(mesh, &curves, face))?;
     let stretches = stretches(&curves, &crossings, &meetings)?;
-    let numbers: Vec<_> = stretches.iter().map(|s| number(&curves, &winding, s)).collect();
-    numbers.iter().for_each(|&(face, number)| winding.note(face, number));
-    let stays = |(_, (face, number)): &(&Stretch, &(FaceId, i32))| winding.is_highest(*face, *number);
-    let kept: Vec<&Stretch> = stretches.iter().zip(&numbers).filter(stays).map(|s| s.0).collect();
+    let (stays, numbers) = Sets::new(mesh, &curves, cuts).stays(ways, &stretches)?;
+    let is_border = |(_, (face, number)): &(&Stretch, &(FaceId, i32))| stays.is_wanted(*face, *number);
+    let kept: Vec<&Stretch> = stretches.iter().zip(&numbers).filter(is_border).map(|s| s.0).collect();
     let mut used = vec![false; cuts.len()];
     kept.iter().for_each(|s| used[s.span.cut as usize] = true);
     let mut built = Builder {
@@ -237,7 +236,7 @@ pub fn arrange(
     let contours = chains.iter().map(|chain| built.contour(chain)).collect::<Result<_, _>>()?;
     let (track, junctions) = (built.track, built.junctions);
     let unused = (0..cuts.len()).filter(|&c| !used[c]).collect();
-    Ok(Arrangement { contours, track, junctions, unused, winding })
+    Ok(Arrangement { contours, track, junctions, unused, stays })
 }
 
 /// Refuses corners at which a curve turns back on itself.
@@ -252,19 +251,6 @@ fn check_cusps(track: &Track, cuts: &[Cut], options: &JunctionOptions) -> Result
         }
     }
     Ok(())
-}
-
-/// The first curve that does not separate the surface by itself, or of several the first.
-fn not_separating(mesh: &Connectivity, track: &Track, face: FaceId) -> RemeshError {
-    let alone = |c: &usize| {
-        let mut one = track.clone();
-        one.points.iter_mut().filter(|p| p.cut as usize != *c).for_each(|p| p.legs.clear());
-        Winding::new(mesh, Ways::new(&one, mesh.face_count())).is_err()
-    };
-    let curve = (0..track.tracks.len()).find(alone).unwrap_or(0);
-    let own = track.points.iter().filter(|p| p.cut as usize == curve);
-    let near = own.clone().find(|p| p.legs.iter().any(|l| l.face == face)).or(own.clone().next());
-    RemeshError::DoesNotSeparate { curve, at: near.map_or(DVec3::NAN, |p| p.position) }
 }
 
 /// A place where a curve is cut, or ends.
@@ -326,7 +312,7 @@ fn ends(track: &Track, cut: usize) -> [Stop; 2] {
 }
 
 /// The number on the left of a stretch, looked up where its way is longest within a face.
-fn number(track: &Track, winding: &Winding, stretch: &Stretch) -> (FaceId, i32) {
+pub(super) fn number(track: &Track, winding: &Winding, stretch: &Stretch) -> (FaceId, i32) {
     let mut best: Option<(f64, Way, f64)> = None;
     for (segment, part) in segments(track, stretch.from, stretch.to) {
         for leg in &track.points[segment as usize].legs {

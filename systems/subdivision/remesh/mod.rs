@@ -28,6 +28,7 @@ pub mod leaves;
 pub mod path;
 pub mod preimage;
 pub mod remove;
+mod sets;
 mod sides;
 pub mod track;
 pub mod winding;
@@ -65,6 +66,22 @@ pub struct Cut {
     pub curve: Arc<dyn Curve>,
     /// Which way it is walked.
     pub heading: Heading,
+    /// The set of curves that it belongs to, such as those of one trim. The curves of one set are
+    /// one border together, with islands in holes; of several sets the common part stays.
+    pub set: u32,
+}
+
+impl Cut {
+    /// A curve of the first set.
+    pub const fn new(curve: Arc<dyn Curve>, heading: Heading) -> Self {
+        Self { curve, heading, set: 0 }
+    }
+
+    /// The same curve in another set.
+    #[must_use]
+    pub fn of_set(&self, set: u32) -> Self {
+        Self { set, ..self.clone() }
+    }
 }
 
 /// How a cage is remeshed.
@@ -227,7 +244,7 @@ fn cut_once(
         track,
         margin: options.margin,
     };
-    let stays = |f: usize| plan.winding.stays(adapted.sources[f].middle());
+    let stays = |f: usize| plan.stays.stays(adapted.sources[f].middle());
     let remains = cage.cut(&crossed(&adapted, track, leaves), &stays)?;
     let mut strips = Vec::with_capacity(plan.contours.len());
     for (cut, rim) in remains.loops.iter().enumerate() {

@@ -141,7 +141,10 @@ impl TrimWork {
         }
         let junctions = self.tolerance.map_or_else(JunctionOptions::default, |t| JunctionOptions::within(t.fit));
         let options = RemeshOptions { reach: self.options.reach, junctions, ..RemeshOptions::default() };
-        let (cuts, images): (Vec<Cut>, Vec<PreImage>) = self.parts().map(|(c, p)| (c.clone(), p.clone())).unzip();
+        // What stays is what every trim leaves.
+        let parts = self.owners().into_iter().zip(self.parts());
+        let (cuts, images): (Vec<Cut>, Vec<PreImage>) =
+            parts.map(|((trim, _), (cut, image))| (cut.of_set(trim as u32), image.clone())).unzip();
         let remeshed = remesh::remesh(&self.ground.surface, &cuts, &images, &options).map_err(|why| self.blame(why))?;
         if !self.keeps_to_its_zone(&remeshed) {
             return Ok(TrimQuantum::Widen);
@@ -207,6 +210,7 @@ impl TrimWork {
             RemeshError::PreImage { curve, .. }
             | RemeshError::Open { curve, .. }
             | RemeshError::DoesNotSeparate { curve, .. }
+            | RemeshError::NothingLeft { curve }
             | RemeshError::TooFine { curve, .. }
             | RemeshError::Tangled { curve, .. }
             | RemeshError::Cusp { curve, .. }

@@ -286,7 +286,7 @@ fn begin_locating(
             commands.entity(source).try_insert(Ground::clone(ground));
         }
         let cuts = inputs.cuts.iter().flatten();
-        let cuts = cuts.map(|(curve, _, heading)| Cut { curve: Arc::clone(curve), heading: *heading }).collect();
+        let cuts = cuts.map(|(curve, _, heading)| Cut::new(Arc::clone(curve), *heading)).collect();
         let begun =
             ground.clone().and_then(|ground| LocateWork::new(ground, cuts, inputs.options.clone(), inputs.tolerance));
         match begun {

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
 use selvedge_components::guard::caught;
-use selvedge_components::identity::Serials;
+use selvedge_components::identity::{Serial, Serials};
 use selvedge_components::subdivision::remesh::RemeshError;
 use selvedge_components::subdivision::{Border, DetailOf, LoopSurface, Snapshot};
 use selvedge_components::trim::{ResultOf, Stale, Trim, TrimFailed, TrimJob, TrimState, TrimmedTo};
@@ -15,10 +17,12 @@ use crate::subdivision::job::discard;
 use crate::subdivision::trim::Ground;
 use crate::subdivision::trim::traces::{FailedTraces, WorkTraces};
 
+type Made = (Entity, &'static Trim, &'static mut TrimJob, Option<&'static Solved>, Option<&'static Serial>);
+
 /// Puts together what is left of each source, once none of its trims is at work any more.
 pub fn compose_results(
     mut commands: Commands,
-    mut trims: Query<(Entity, &Trim, &mut TrimJob, Option<&Solved>)>,
+    mut trims: Query<Made>,
     sources: Query<(Entity, &Ground, Option<&TrimmedTo>)>,
     results: Query<(&ComposedOf, Has<Stale>), With<ResultOf>>,
     details: Query<(Entity, &DetailOf)>,
@@ -29,11 +33,10 @@ pub fn compose_results(
     let mut misfits = Vec::new();
     for (source, ground, result) in &sources {
         let of_source = || trims.iter().filter(|(_, trim, ..)| trim.source == source);
-        let mut pieces: Vec<&Solved> = of_source().filter_map(|(.., solved)| solved).collect();
-        pieces.sort_unstable_by_key(|piece| piece.number);
-        let made_of = ComposedOf(pieces.iter().map(|piece| piece.number).collect());
+        let pieces = in_order(of_source());
+        let made_of = ComposedOf::of(&pieces);
         let as_before = result.and_then(|result| results.get(result.0).ok()) == Some((&made_of, false));
-        if as_before || of_source().any(|(_, _, job, _)| job.is_running()) {
+        if as_before || of_source().any(|(_, _, job, ..)| job.is_running()) {
             run.counted.skipped += 1;
             continue;
         }
@@ -70,17 +73,26 @@ pub fn compose_results(
     }
 }
 
+/// What is left by each group of trims, in the order of the oldest trim of each: so of two that do not
+/// go together, the younger is in the way.
+fn in_order<'a>(
+    trims: impl Iterator<Item = <<Made as QueryData>::ReadOnly as QueryData>::Item<'a, 'a>>,
+) -> Vec<&'a Solved> {
+    let (mut order, mut pieces) = (EntityHashMap::default(), Vec::new());
+    for (trim, .., solved, serial) in trims {
+        order.insert(trim, (serial, trim));
+        pieces.extend(solved);
+    }
+    pieces.sort_by_key(|piece| piece.together.first().and_then(|oldest| order.get(oldest).copied()));
+    pieces
+}
+
 /// What trims made together have left does not fit the rest: the newest fails, and the others are
 /// made again.
-fn misfit(
-    commands: &mut Commands,
-    trims: &mut Query<(Entity, &Trim, &mut TrimJob, Option<&Solved>)>,
-    together: &[Entity],
-    why: RemeshError,
-) {
+fn misfit(commands: &mut Commands, trims: &mut Query<Made>, together: &[Entity], why: RemeshError) {
     for &trim in together {
         commands.entity(trim).try_remove::<WorkTraces>();
-        let Ok((_, _, mut job, _)) = trims.get_mut(trim) else { continue };
+        let Ok((_, _, mut job, ..)) = trims.get_mut(trim) else { continue };
         job.together.clear();
         job.state = if Some(&trim) == together.last() { TrimState::Failed } else { TrimState::Located };
     }
