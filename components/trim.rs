@@ -89,6 +89,20 @@ pub struct TrimOptions {
     pub samples: u32,
     /// Chooses the samples.
     pub seed: u64,
+    /// Whether what the trim removes is wanted, too.
+    pub sides: Sides,
+}
+
+/// Which sides of its curves a trim makes surfaces of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Sides {
+    /// What stays.
+    #[default]
+    Left,
+    /// What stays, and what the trim removes of that which all other trims of its source leave: a
+    /// result of its own, named by [`OtherSide`]. The two make up what would be left without the
+    /// trim. Where they meet, both have the same samples of the curves, bit for bit on every level.
+    Both,
 }
 
 impl Default for TrimOptions {
@@ -102,6 +116,7 @@ impl Default for TrimOptions {
             reach: None,
             samples: 45,
             seed: 0x5e1_7ed6e,
+            sides: Sides::Left,
         }
     }
 }
@@ -115,6 +130,14 @@ pub struct TrimmedTo(pub Entity);
 /// any surface.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ResultOf(pub Entity);
+
+/// On a trim whose options ask for it: the result that is what it removes.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OtherSide(pub Entity);
+
+/// On a result: the trim that removes it. It bears a snapshot, as any result does.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OtherSideOf(pub Entity);
 
 /// On a result: it is the last good one, and its trims or its source have changed since.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -298,6 +321,25 @@ pub struct TrimReport {
     pub cage: TrimmedCage,
     /// What the audit found.
     pub audit: TrimAudit,
+    /// How the other side went, where it is wanted.
+    pub other: Option<Box<OtherReport>>,
+}
+
+/// How the other side of a trim went: as the fields of [`TrimReport`] that have the same names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OtherReport {
+    /// The error of the cage alone, before any detail.
+    pub initial: Option<Rung>,
+    /// The error ladder, level by level.
+    pub ladder: Vec<Rung>,
+    /// How the fit ended.
+    pub outcome: Outcome,
+    /// Its detail coefficients.
+    pub details: usize,
+    /// What its cage is like.
+    pub cage: TrimmedCage,
+    /// What the audit found.
+    pub audit: TrimAudit,
 }
 
 /// What the cage is like that a trim leaves.
@@ -438,6 +480,12 @@ pub enum TrimFault {
     Audit {
         /// Everything that is wrong.
         faults: Vec<TrimAuditFault>,
+    },
+    /// What stays could be made, but not the other side, which was asked for, too.
+    #[error("the other side: {why}")]
+    OtherSide {
+        /// What happened there.
+        why: Box<TrimFault>,
     },
     /// A budget is spent.
     #[error(transparent)]

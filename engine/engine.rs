@@ -16,7 +16,9 @@ use selvedge_components::subdivision::fit::FitOptions;
 use selvedge_components::subdivision::{LoopSurface, Snapshot};
 use selvedge_components::target::Target;
 use selvedge_components::tolerance::Tolerance;
-use selvedge_components::trim::{Trim, TrimFailed, TrimJob, TrimOptions, TrimReport, TrimStage, TrimState, TrimmedTo};
+use selvedge_components::trim::{
+    OtherSide, Trim, TrimFailed, TrimJob, TrimOptions, TrimReport, TrimStage, TrimState, TrimmedTo,
+};
 use thiserror::Error;
 
 use crate::{
@@ -171,6 +173,12 @@ impl Engine {
     /// The entity that stands for what is left of `source` by all of its trims, once there is one.
     pub fn result(&self, source: Entity) -> Option<Entity> {
         self.world.get::<TrimmedTo>(source).map(|result| result.0)
+    }
+
+    /// The entity that stands for what `trim` removes, once there is one: its options must ask for
+    /// [`Sides::Both`](selvedge_components::trim::Sides::Both).
+    pub fn other_side(&self, trim: Entity) -> Option<Entity> {
+        self.world.get::<OtherSide>(trim).map(|result| result.0)
     }
 
     /// How far `trim` is; `None` for what is no trim.

@@ -48,10 +48,55 @@ pub fn wide_plate(n: u32) -> LoopSurface {
 
 /// The circle about `centre` on `surface`, seen from above.
 pub fn circle(surface: &LoopSurface, centre: DVec2, radius: f64) -> Arc<dyn Curve> {
+    laid(surface, Circle::new(centre.extend(0.0), DVec3::Z, radius).expect("a circle"))
+}
+
+/// A plane curve on `surface`, seen from above; where it leaves that, it goes on beside it.
+pub fn laid(surface: &LoopSurface, plane: impl Curve + 'static) -> Arc<dyn Curve> {
     let limit = LimitSurface::new(Arc::new(surface.clone())).expect("sound");
     let index = Arc::new(SurfaceIndex::new(Arc::new(limit)).expect("finite"));
-    let above = Circle::new(centre.extend(0.1), DVec3::Z, radius).expect("a circle");
-    Arc::new(ProjectedCurve::new(Arc::new(above), DVec3::NEG_Z, index, Pick::First).expect("a direction"))
+    let plane: Arc<dyn Curve> = Arc::new(plane);
+    let above: Arc<dyn Curve> = Arc::new(Above(Arc::clone(&plane)));
+    let onto = ProjectedCurve::new(above, DVec3::NEG_Z, index, Pick::First).expect("a direction");
+    Arc::new(Laid { onto, plane })
+}
+
+#[derive(Debug)]
+struct Above(Arc<dyn Curve>);
+
+impl Curve for Above {
+    fn position(&self, u: f64) -> DVec3 {
+        self.0.position(u) + DVec3::Z
+    }
+
+    fn corners(&self) -> &[f64] {
+        self.0.corners()
+    }
+
+    fn closed(&self) -> bool {
+        self.0.closed()
+    }
+}
+
+#[derive(Debug)]
+struct Laid {
+    onto: ProjectedCurve<LimitSurface>,
+    plane: Arc<dyn Curve>,
+}
+
+impl Curve for Laid {
+    fn position(&self, u: f64) -> DVec3 {
+        let on = self.onto.position(u);
+        if on.is_finite() { on } else { self.plane.position(u) }
+    }
+
+    fn corners(&self) -> &[f64] {
+        self.plane.corners()
+    }
+
+    fn closed(&self) -> bool {
+        self.plane.closed()
+    }
 }
 
 pub fn tolerance() -> Option<Tolerance> {

@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use selvedge_components::curve::{Curve, Heading, wrap};
+use selvedge_components::curve::{Curve, CurveParameters, Heading, wrap};
 use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::remesh::{PreImageError, RemeshError};
 use selvedge_components::subdivision::{LoopSurface, NONE};
@@ -18,6 +18,7 @@ use super::super::relax::curve_parameter;
 use super::borders::Borders;
 use super::crossing::{self, Crossing};
 use super::junction::{self, JunctionOptions, Meeting};
+use super::other::OtherSide;
 use super::path::Leg;
 use super::sets::{Sets, Stays};
 use super::track::{Near, Track, TrackPoint};
@@ -104,6 +105,11 @@ impl Contour {
         Spot { span: span as u32, u: own.u[which], junction: own.junctions[which] }
     }
 
+    /// How far on its travel parameter comes in `way` of the travel along a stretch's curve.
+    pub(super) fn travel(&self, span: &Span, way: f64) -> f64 {
+        if self.is_single() { way } else { way / ((span.t[1] - span.t[0]) * self.spans.len() as f64) }
+    }
+
     fn spot_on(&self, cuts: &[Cut], span: usize, share: f64) -> Spot {
         let own = &self.spans[span];
         let cut = &cuts[own.cut as usize];
@@ -183,6 +189,8 @@ pub struct Arrangement {
     pub junctions: Vec<Junction>,
     /// The curves no part of which is a border, ascending.
     pub unused: Vec<usize>,
+    /// By contour and stretch, the parameters that it has to have, if any.
+    pub given: Vec<Vec<Option<Arc<CurveParameters>>>>,
     /// What tells left from right.
     pub stays: Stays,
 }
@@ -195,7 +203,7 @@ pub(super) struct Stretch {
     to: Near,
 }
 
-/// Finds the borders.
+/// Finds the borders of what stays, or of the other side of a set whose curves are turned.
 ///
 /// # Errors
 /// When a pre-image is not usable or crosses itself, curves do not separate the surface, or cross in
@@ -205,6 +213,7 @@ pub fn arrange(
     cuts: &[Cut],
     preimages: &[PreImage],
     options: &JunctionOptions,
+    other: Option<&OtherSide<'_>>,
 ) -> Result<Arrangement, RemeshError> {
     let mesh = &*surface.mesh;
     let pre_image = |curve, source| RemeshError::PreImage { curve, source };
@@ -216,10 +225,11 @@ pub fn arrange(
     })?;
     let meetings =
         crossings.iter().map(|c| junction::meet(&curves, cuts, c, options)).collect::<Result<Vec<_>, _>>()?;
+    let with_bits = |meeting| other.map_or(meeting, |other| other.with_bits(meeting));
+    let meetings: Vec<Meeting> = meetings.into_iter().map(with_bits).collect();
     let stretches = stretches(&curves, &crossings, &meetings)?;
-    let (stays, numbers) = Sets::new(mesh, &curves, cuts).stays(ways, &stretches)?;
-    let is_border = |(_, (face, number)): &(&Stretch, &(FaceId, i32))| stays.is_wanted(*face, *number);
-    let kept: Vec<&Stretch> = stretches.iter().zip(&numbers).filter(is_border).map(|s| s.0).collect();
+    let (stays, borders) = Sets::new(mesh, &curves, cuts).stays(ways, &stretches, other.map(|other| other.set))?;
+    let kept: Vec<&Stretch> = stretches.iter().zip(&borders).filter(|(_, border)| **border).map(|s| s.0).collect();
     let mut used = vec![false; cuts.len()];
     kept.iter().for_each(|s| used[s.span.cut as usize] = true);
     let mut built = Builder {
@@ -233,10 +243,12 @@ pub fn arrange(
         track: Track::default(),
     };
     let chains = chains(&curves, &kept, meetings.len())?;
-    let contours = chains.iter().map(|chain| built.contour(chain)).collect::<Result<_, _>>()?;
+    let contours: Vec<Contour> = chains.iter().map(|chain| built.contour(chain)).collect::<Result<_, _>>()?;
+    let of_span = |span: &Span| other.and_then(|other| other.parameters(cuts, span));
+    let given = contours.iter().map(|contour| contour.spans.iter().map(of_span).collect()).collect();
     let (track, junctions) = (built.track, built.junctions);
     let unused = (0..cuts.len()).filter(|&c| !used[c]).collect();
-    Ok(Arrangement { contours, track, junctions, unused, stays })
+    Ok(Arrangement { contours, track, junctions, unused, given, stays })
 }
 
 /// Refuses corners at which a curve turns back on itself.
@@ -311,8 +323,13 @@ fn ends(track: &Track, cut: usize) -> [Stop; 2] {
     })
 }
 
-/// The number on the left of a stretch, looked up where its way is longest within a face.
+/// The number on the left of a stretch whose curve is one of `winding`'s.
 pub(super) fn number(track: &Track, winding: &Winding, stretch: &Stretch) -> (FaceId, i32) {
+    middle(track, stretch).map_or((FaceId::new(0), i32::MIN), |(way, f)| (way.leg.face, winding.left_of(&way, f)))
+}
+
+/// The middle of a stretch where its way is longest within a face: the way, and how far along it.
+pub(super) fn middle(track: &Track, stretch: &Stretch) -> Option<(Way, f64)> {
     let mut best: Option<(f64, Way, f64)> = None;
     for (segment, part) in segments(track, stretch.from, stretch.to) {
         for leg in &track.points[segment as usize].legs {
@@ -323,7 +340,7 @@ pub(super) fn number(track: &Track, winding: &Winding, stretch: &Stretch) -> (Fa
             }
         }
     }
-    best.map_or((FaceId::new(0), i32::MIN), |(_, way, f)| (way.leg.face, winding.left_of(&way, f)))
+    best.map(|(_, way, f)| (way, f))
 }
 
 /// Where in a part of [0, 1] a number lies, in [0, 1].

@@ -25,6 +25,7 @@ mod crossing;
 pub mod field;
 pub mod junction;
 pub mod leaves;
+pub mod other;
 pub mod path;
 pub mod preimage;
 pub mod remove;
@@ -49,6 +50,7 @@ pub use adapt::AdaptOptions;
 pub use assemble::{FaceOrigin, Remeshed, SideOrigin, VertexOrigin};
 pub use error::{PreImageError, RemeshError};
 pub use junction::JunctionOptions;
+pub use other::OtherSide;
 pub use preimage::{Extent, PathPoint, PreImage, TraceOptions, trace, trace_parts};
 pub use remove::Fate;
 
@@ -129,8 +131,34 @@ pub fn remesh(
     options: &RemeshOptions,
 ) -> Result<Remeshed, RemeshError> {
     check(cuts, preimages)?;
+    remesh_side(surface, cuts, preimages, options, None)
+}
+
+/// What the curves of one set remove of that which all others leave, ending on the very samples of
+/// the curves on which what stays ends: see [`OtherSide`]. All else is as in [`remesh`].
+///
+/// # Errors
+/// As [`remesh`].
+pub fn remesh_other(
+    surface: &LoopSurface,
+    cuts: &[Cut],
+    preimages: &[PreImage],
+    options: &RemeshOptions,
+    other: &OtherSide<'_>,
+) -> Result<Remeshed, RemeshError> {
+    check(cuts, preimages)?;
+    remesh_side(surface, &other.turned(cuts), preimages, options, Some(other))
+}
+
+fn remesh_side(
+    surface: &LoopSurface,
+    cuts: &[Cut],
+    preimages: &[PreImage],
+    options: &RemeshOptions,
+    other: Option<&OtherSide<'_>>,
+) -> Result<Remeshed, RemeshError> {
     let corners = CornerTable::new(surface);
-    let plan = contour::arrange(surface, cuts, preimages, &options.junctions)?;
+    let plan = contour::arrange(surface, cuts, preimages, &options.junctions, other)?;
     let mut options = *options;
     let deepest = options.adapt.finest;
     loop {
@@ -249,7 +277,12 @@ fn cut_once(
     let mut strips = Vec::with_capacity(plan.contours.len());
     for (cut, rim) in remains.loops.iter().enumerate() {
         let strip = attach::attach(track, cut as u32, rim, |v| (limit[v as usize], cage.normal(v)));
-        strips.push(strip.map_err(|near| {
+        let contour = &plan.contours[cut];
+        let seated = |mut strip| {
+            let seated = other::seat(&mut strip, contour, &plan.given[cut], cuts, |v| limit[v as usize]);
+            seated.map(|()| strip).ok_or_else(|| track.place(cut as u32, 0.0))
+        };
+        strips.push(strip.and_then(seated).map_err(|near| {
             let away = |v: &&u32| limit[**v as usize].distance_squared(track.position(near));
             let nearest = rim.vertices.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
             let place = cage.place(nearest.copied().unwrap_or(0), near);
@@ -323,7 +356,7 @@ fn crossed(adapted: &Adapted, track: &Track, leaves: &Leaves) -> Vec<(u32, u32)>
 fn settle(strip: &mut attach::Strip, contour: &Contour, limit: &[DVec3], options: &RemeshOptions) -> Relaxed {
     let widths = strip.widths(|v| limit[v as usize]);
     let slider = |(knot, width): (&attach::Knot, f64)| {
-        let smooth = knot.kind == attach::KnotKind::Smooth;
+        let smooth = knot.kind == attach::KnotKind::Smooth && !knot.given;
         Slider { t: knot.t, base: smooth.then(|| strip.base(knot).map(|v| limit[v as usize])), width }
     };
     let mut sliders: Vec<Slider> = strip.knots.iter().zip(widths).map(slider).collect();

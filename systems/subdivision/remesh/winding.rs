@@ -203,6 +203,15 @@ impl Winding {
         &self.highest
     }
 
+    /// The lowest number of the fixed places of each part of the surface.
+    pub fn lowest(&self) -> Vec<i32> {
+        let mut lowest = vec![i32::MAX; self.highest.len()];
+        for (&part, &number) in self.parts.iter().zip(&self.numbers) {
+            lowest[part as usize] = lowest[part as usize].min(number);
+        }
+        lowest
+    }
+
     /// The part of the surface that a face belongs to.
     pub fn part(&self, face: FaceId) -> u32 {
         self.parts[face.index()]

@@ -13,7 +13,7 @@ use selvedge_components::subdivision::{FaceCode, LoopSurface};
 use selvedge_components::target::{Guarded, Target};
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::trim::{
-    TrimAuditFault, TrimFault, TrimOptions, TrimQuantum, TrimReport, TrimStage, TrimmedCage,
+    OtherReport, Sides, TrimAuditFault, TrimFault, TrimOptions, TrimQuantum, TrimReport, TrimStage, TrimmedCage,
 };
 use thiserror::Error;
 
@@ -21,6 +21,7 @@ use super::audit::TrimAuditWork;
 use super::compose::ZoneOf;
 use super::ground::Ground;
 use super::locate::Located;
+use super::other::OtherWork;
 use super::zone::Zone;
 use crate::closest::Search;
 use crate::subdivision::fit::FitWork;
@@ -47,7 +48,13 @@ pub struct TrimWork {
     remeshed: Option<Arc<Remeshed>>,
     /// The fit of the new cage, until it is taken.
     fit: Option<Box<FitWork>>,
+    /// What may be spent.
+    budgets: Budgets,
     audit: Option<TrimAuditWork>,
+    /// Is the audit of what stays done?
+    audited: bool,
+    /// The other sides that are wanted, in the order of their trims, as far as they were begun.
+    others: Vec<OtherWork>,
 }
 
 impl TrimWork {
@@ -59,8 +66,21 @@ impl TrimWork {
         let options = members.iter().map(|m| m.options.clone()).reduce(|a, b| strictest_options(&a, &b));
         let tolerance = members.iter().filter_map(|m| m.tolerance).reduce(strictest_tolerance);
         let options = options.unwrap_or_default();
-        let (zone, prepared, remeshed, fit, audit) = (None, false, None, None, None);
-        Self { ground, members, options, tolerance, reserved, zone, prepared, remeshed, fit, audit }
+        Self {
+            ground,
+            members,
+            reserved,
+            zone: None,
+            prepared: false,
+            options,
+            tolerance,
+            remeshed: None,
+            fit: None,
+            budgets: Budgets::default(),
+            audit: None,
+            audited: false,
+            others: Vec::new(),
+        }
     }
 
     /// As [`Self::new`], with all of the source to be changed.
@@ -139,24 +159,46 @@ impl TrimWork {
             self.prepare().map_err(|why| self.newest(why))?;
             return Ok(TrimQuantum::More);
         }
-        let junctions = self.tolerance.map_or_else(JunctionOptions::default, |t| JunctionOptions::within(t.fit));
-        let options = RemeshOptions { reach: self.options.reach, junctions, ..RemeshOptions::default() };
-        // What stays is what every trim leaves.
-        let parts = self.owners().into_iter().zip(self.parts());
-        let (cuts, images): (Vec<Cut>, Vec<PreImage>) =
-            parts.map(|((trim, _), (cut, image))| (cut.of_set(trim as u32), image.clone())).unzip();
-        let remeshed = remesh::remesh(&self.ground.surface, &cuts, &images, &options).map_err(|why| self.blame(why))?;
+        let (cuts, images) = self.cuts();
+        let remeshed = remesh::remesh(&self.ground.surface, &cuts, &images, &self.remesh_options())
+            .map_err(|why| self.blame(why))?;
         if !self.keeps_to_its_zone(&remeshed) {
             return Ok(TrimQuantum::Widen);
         }
-        let target: Arc<dyn Target> = Arc::new(self.ground.target(Search::AroundHint));
-        let guarded = Arc::new(Guarded::new(target, *budgets));
-        let options = fit_options(&self.options, self.tolerance.as_ref(), budgets, remeshed.omega());
-        let natural: Arc<[SurfacePoint]> = remeshed.natural.clone().into();
-        let fit = FitWork::new(Arc::new(remeshed.surface.clone()), guarded, options);
-        self.fit = Some(Box::new(fit.map_err(|why| self.newest(why.into()))?.with_natural(natural)));
+        self.budgets = *budgets;
+        self.fit = Some(Box::new(self.fit_of(&remeshed).map_err(|why| self.newest(why))?));
         self.remeshed = Some(Arc::new(remeshed));
         Ok(TrimQuantum::Next(TrimStage::Fit))
+    }
+
+    /// All parts as cuts, each of the set of its trim: what stays is what every trim leaves.
+    pub(super) fn cuts(&self) -> (Vec<Cut>, Vec<PreImage>) {
+        let parts = self.owners().into_iter().zip(self.parts());
+        parts.map(|((trim, _), (cut, image))| (cut.of_set(trim as u32), image.clone())).unzip()
+    }
+
+    pub(super) fn remesh_options(&self) -> RemeshOptions {
+        let junctions = self.tolerance.map_or_else(JunctionOptions::default, |t| JunctionOptions::within(t.fit));
+        RemeshOptions { reach: self.options.reach, junctions, ..RemeshOptions::default() }
+    }
+
+    /// Begins the fit of a new cage to the limit surface of its source.
+    pub(super) fn fit_of(&self, remeshed: &Remeshed) -> Result<FitWork, TrimFault> {
+        let target: Arc<dyn Target> = Arc::new(self.ground.target(Search::AroundHint));
+        let guarded = Arc::new(Guarded::new(target, self.budgets));
+        let options = fit_options(&self.options, self.tolerance.as_ref(), &self.budgets, remeshed.omega());
+        let natural: Arc<[SurfacePoint]> = remeshed.natural.clone().into();
+        Ok(FitWork::new(Arc::new(remeshed.surface.clone()), guarded, options)?.with_natural(natural))
+    }
+
+    /// Begins the audit of `surface`, the fitted form of `remeshed`.
+    pub(super) fn audit_of(
+        &self,
+        remeshed: Arc<Remeshed>,
+        surface: Arc<LoopSurface>,
+    ) -> Result<TrimAuditWork, TrimFault> {
+        let (ground, limit) = (Arc::clone(&self.ground), self.tolerance.map(|t| t.fit));
+        TrimAuditWork::new(ground, remeshed, surface, limit, &self.options)
     }
 
     /// The fit that remeshing has begun; it is not ours any more.
@@ -236,13 +278,57 @@ impl TrimWork {
         let Some(audit) = &mut self.audit else {
             let Some(remeshed) = self.remeshed.clone() else { return Ok(TrimQuantum::Finished) };
             let surface = Arc::new(LoopSurface { details: fit.details().clone(), ..remeshed.surface.clone() });
-            let (ground, limit) = (Arc::clone(&self.ground), self.tolerance.map(|t| t.fit));
-            let audit = TrimAuditWork::new(ground, remeshed, surface, limit, &self.options);
+            let audit = self.audit_of(remeshed, surface);
             self.audit = Some(audit.map_err(|why| self.newest(why))?);
             return Ok(TrimQuantum::More);
         };
-        let step = audit.advance();
-        step.map_err(|why| self.nearest(why))
+        if self.audited {
+            return self.advance_others();
+        }
+        let step = audit.advance().map_err(|why| self.nearest(why))?;
+        self.audited = step == TrimQuantum::Finished;
+        Ok(if self.audited && self.next_other().is_some() { TrimQuantum::More } else { step })
+    }
+
+    /// The first trim whose other side is wanted and was not begun.
+    fn next_other(&self) -> Option<usize> {
+        let begin = self.others.last().map_or(0, |other| other.trim + 1);
+        (begin..self.members.len()).find(|&trim| self.members[trim].options.sides == Sides::Both)
+    }
+
+    /// One quantum more of the other sides.
+    fn advance_others(&mut self) -> Result<TrimQuantum, Blamed> {
+        let of_other = |trim, why| Blamed { trim, why: TrimFault::OtherSide { why: Box::new(why) } };
+        if let Some(mut other) = self.others.pop_if(|other| !other.is_done()) {
+            let (trim, step) = (other.trim, other.advance(self));
+            self.others.push(other);
+            let step = step.map_err(|why| of_other(trim, why))?;
+            return Ok(if self.next_other().is_some() { TrimQuantum::More } else { step });
+        }
+        let (Some(trim), Some(remeshed)) = (self.next_other(), self.remeshed.clone()) else {
+            return Ok(TrimQuantum::Finished);
+        };
+        let other = OtherWork::new(self, trim, &remeshed).map_err(|why| of_other(trim, why))?;
+        if !self.keeps_to_its_zone(&other.remeshed) {
+            return Ok(TrimQuantum::Widen);
+        }
+        self.others.push(other);
+        Ok(TrimQuantum::More)
+    }
+
+    /// The other sides that are made.
+    pub fn others(&self) -> &[OtherWork] {
+        &self.others
+    }
+
+    /// How the other side of a trim went, by its index among those made together.
+    pub fn other_report(&self, trim: usize) -> Option<OtherReport> {
+        self.others.iter().find(|other| other.trim == trim)?.report(self)
+    }
+
+    /// An error with its curves as the trims count them.
+    pub(super) fn named(&self, why: RemeshError) -> TrimFault {
+        self.blame(why).why
     }
 
     /// What is left of the source, once the audit has begun.
@@ -263,10 +349,11 @@ impl TrimWork {
             relaxed: remeshed.relaxed.clone(),
             cage: self.cage(remeshed),
             audit: *audit.found(),
+            other: None,
         })
     }
 
-    fn cage(&self, remeshed: &Remeshed) -> TrimmedCage {
+    pub(super) fn cage(&self, remeshed: &Remeshed) -> TrimmedCage {
         let mesh = &remeshed.surface.mesh;
         let omega = remeshed.omega();
         let changed = remeshed.changed.iter();

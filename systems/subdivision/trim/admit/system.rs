@@ -15,8 +15,8 @@ use selvedge_components::job::Cancelled;
 use selvedge_components::subdivision::{Cage, DetailOf, Snapshot};
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::trim::{
-    AtLocate, AtRemesh, Stale, Trim, TrimFailed, TrimFault, TrimInputs, TrimJob, TrimOptions, TrimStage, TrimState,
-    TrimmedTo,
+    AtLocate, AtRemesh, OtherSide, Stale, Trim, TrimFailed, TrimFault, TrimInputs, TrimJob, TrimOptions, TrimStage,
+    TrimState, TrimmedTo,
 };
 
 use super::{Candidate, Source, Verdict, anything_changed, verdict};
@@ -261,6 +261,7 @@ fn begin_groups(
         let reserved = members.iter().flat_map(|(.., located)| located.reserved()).copied().collect();
         let work = TrimWork::new(Arc::clone(first.ground()), located, region::ascending(reserved));
         for &&(trim, job, _) in &members {
+            commands.entity(trim).queue_silenced(mark_other_stale);
             let led = trim != *lead;
             let state = if led { TrimState::With(*lead) } else { TrimState::Running(TrimStage::Remesh) };
             let job = TrimJob { together: group.clone(), ..TrimJob::new(state, job.inputs.clone()) };
@@ -297,17 +298,26 @@ fn begin_locating(
             Err(why) => fail(commands, trim, inputs, why),
         }
         commands.entity(source).queue_silenced(mark_stale);
+        commands.entity(trim).queue_silenced(mark_other_stale);
     }
 }
 
 /// The last good result stays, and says that it is not the present one.
 fn mark_stale(mut source: EntityWorldMut) {
     if let Some(&TrimmedTo(result)) = source.get() {
-        source.world_scope(|world| {
-            if let Ok(mut result) = world.get_entity_mut(result) {
-                result.insert(Stale);
-            }
-        });
+        source.world_scope(|world| mark_result(world, result));
+    }
+}
+
+fn mark_other_stale(mut trim: EntityWorldMut) {
+    if let Some(&OtherSide(result)) = trim.get() {
+        trim.world_scope(|world| mark_result(world, result));
+    }
+}
+
+fn mark_result(world: &mut World, result: Entity) {
+    if let Ok(mut result) = world.get_entity_mut(result) {
+        result.insert(Stale);
     }
 }
 

@@ -38,6 +38,8 @@ pub struct Solved {
     pub remeshed: Arc<Remeshed>,
     /// What is left of that part of the source, details and all.
     pub surface: Arc<LoopSurface>,
+    /// What those of them remove that were asked for it, in the same form.
+    pub others: Vec<(Entity, Self)>,
 }
 
 /// A zone, and what its sides are of the source's.
@@ -47,6 +49,14 @@ pub struct ZoneOf {
     pub zone: Zone,
     /// By side of the zone.
     pub sides: Vec<ZoneSide>,
+}
+
+impl ZoneOf {
+    /// All of a source.
+    fn whole(source: &LoopSurface) -> Self {
+        let sides = (0..source.sides.len()).map(ZoneSide::Whole).collect();
+        Self { zone: Zone::whole(&source.mesh), sides }
+    }
 }
 
 /// What a result was put together of: the numbers of the solutions, ascending.
@@ -80,7 +90,13 @@ pub fn compose(source: &LoopSurface, pieces: &[&Solved]) -> Result<Option<Arc<Lo
     match pieces {
         [] => Ok(None),
         [all] if all.zone.is_none() => Ok(Some(Arc::clone(&all.surface))),
-        _ => Composer::new(source, pieces).compose().map(|surface| Some(Arc::new(surface))),
+        _ => {
+            // One that was made on all of the source has all of it for its zone.
+            let whole = pieces.iter().any(|piece| piece.zone.is_none()).then(|| ZoneOf::whole(source));
+            let own = pieces.iter().map(|&piece| (piece, piece.zone.as_deref().or(whole.as_ref())));
+            let pieces = own.filter_map(|(piece, zone)| Some(Piece::new(piece, zone?))).collect();
+            Composer::new(source, pieces).compose().map(|surface| Some(Arc::new(surface)))
+        }
     }
 }
 
@@ -101,13 +117,12 @@ struct Piece<'a> {
 }
 
 impl<'a> Piece<'a> {
-    fn new(solved: &'a Solved) -> Option<Self> {
-        let zone = &**solved.zone.as_ref()?;
+    fn new(solved: &'a Solved, zone: &'a ZoneOf) -> Self {
         let still = solved.remeshed.face_origin.iter().map(|origin| match origin {
             FaceOrigin::Leaf { level: 0, code } => zone.zone.faces[code.root_face(0).index()].0,
             _ => NONE,
         });
-        Some(Self { zone, remeshed: &solved.remeshed, surface: &solved.surface, still: still.collect() })
+        Self { zone, remeshed: &solved.remeshed, surface: &solved.surface, still: still.collect() }
     }
 
     /// By face of the zone: is all of it of this fate?
@@ -130,8 +145,7 @@ impl<'a> Piece<'a> {
 }
 
 impl<'a> Composer<'a> {
-    fn new(source: &'a LoopSurface, pieces: &[&'a Solved]) -> Self {
-        let pieces: Vec<Piece<'a>> = pieces.iter().filter_map(|piece| Piece::new(piece)).collect();
+    fn new(source: &'a LoopSurface, pieces: Vec<Piece<'a>>) -> Self {
         let mut taken = vec![false; source.mesh.face_count()];
         for piece in &pieces {
             let mut gone: Vec<bool> = vec![true; piece.zone.zone.faces.len()];
