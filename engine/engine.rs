@@ -22,7 +22,8 @@ use selvedge_components::trim::{
 use thiserror::Error;
 
 use crate::{
-    cancel_fit, despawn_surface, install, spawn_cage, spawn_curve, spawn_fit, spawn_surface, spawn_trim, strict,
+    BakeError, bake, cancel_fit, despawn_surface, install, spawn_cage, spawn_curve, spawn_fit, spawn_surface,
+    spawn_trim, strict,
 };
 
 /// The schedule that an [`Engine`] runs once a pass.
@@ -179,6 +180,14 @@ impl Engine {
     /// [`Sides::Both`](selvedge_components::trim::Sides::Both).
     pub fn other_side(&self, trim: Entity) -> Option<Entity> {
         self.world.get::<OtherSide>(trim).map(|result| result.0)
+    }
+
+    /// See [`bake`].
+    ///
+    /// # Errors
+    /// As [`bake`].
+    pub fn bake(&mut self, result: Entity) -> Result<Entity, BakeError> {
+        bake(&mut self.world, result)
     }
 
     /// How far `trim` is; `None` for what is no trim.

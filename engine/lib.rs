@@ -25,6 +25,7 @@
 //! assert!(report.ladder[2].max < 2e-3 && report.ladder[2].max < report.ladder[0].max);
 //! ```
 
+mod bake;
 pub mod cli;
 #[cfg(feature = "diagram")]
 pub mod diagram;
@@ -36,6 +37,7 @@ mod plugin;
 pub mod scenes;
 mod spawn;
 
+pub use bake::{BakeError, bake};
 pub use engine::{Engine, Pass, Progress, SelvedgePass, Stalled, TrimProgress};
 pub use install::{install, strict};
 #[cfg(feature = "bevy_app")]
