@@ -19,6 +19,7 @@ use thiserror::Error;
 
 use crate::budget::{BudgetExceeded, Budgets};
 use crate::curve::{Curve, Heading};
+use crate::evaluate::SurfacePoint;
 use crate::subdivision::fit::{FitError, Outcome, Rule, Rung, Storage};
 use crate::subdivision::remesh::RemeshError;
 use crate::tolerance::Tolerance;
@@ -46,6 +47,25 @@ pub struct TrimCurve {
     pub curve: Entity,
     /// Which way it is walked.
     pub heading: Heading,
+}
+
+/// On a trim: where its curves run on the source, roughly, as far as the host knows it. By cut; cuts
+/// beyond the list have none.
+///
+/// The engine finds that by itself, as the closest points. Where the closest point is not the one that
+/// is meant, since a curve runs between two sheets that are near to each other, a few places say which
+/// sheet it is. They are where the search begins, and no more: each must lie near the curve, and the
+/// place that is found from it is used in its stead.
+#[derive(Component, Clone, Debug, Default, PartialEq)]
+pub struct PreImages(pub Vec<Arc<[PreImagePoint]>>);
+
+/// A place of the source at which a curve is said to run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PreImagePoint {
+    /// The curve's parameter, in [0, 1], rising from point to point.
+    pub u: f64,
+    /// The place, no farther from the curve's point than a mean edge of the cage.
+    pub at: SurfacePoint,
 }
 
 /// What a stretch of a trimmed border runs along.
@@ -226,6 +246,8 @@ pub struct TrimInputs {
     pub revision: Option<u64>,
     /// The curves; `None` where the entity named has no curve.
     pub cuts: Vec<Option<CutInput>>,
+    /// Where they are said to run.
+    pub given: PreImages,
     /// How the trim is made.
     pub options: TrimOptions,
     /// The trim's tolerance, if it has one.
@@ -244,7 +266,7 @@ impl PartialEq for TrimInputs {
         };
         let rest = |inputs: &Self| (inputs.source, inputs.revision, inputs.tolerance, inputs.budgets);
         rest(self) == rest(other)
-            && self.options == other.options
+            && (&self.options, &self.given) == (&other.options, &other.given)
             && self.cuts.len() == other.cuts.len()
             && self.cuts.iter().zip(&other.cuts).all(|(a, b)| same(a, b))
     }

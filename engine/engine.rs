@@ -17,13 +17,13 @@ use selvedge_components::subdivision::{LoopSurface, Snapshot};
 use selvedge_components::target::Target;
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::trim::{
-    OtherSide, Trim, TrimFailed, TrimJob, TrimOptions, TrimReport, TrimStage, TrimState, TrimmedTo,
+    OtherSide, PreImagePoint, Trim, TrimFailed, TrimJob, TrimOptions, TrimReport, TrimStage, TrimState, TrimmedTo,
 };
 use thiserror::Error;
 
 use crate::{
     BakeError, bake, cancel_fit, despawn_surface, install, spawn_cage, spawn_curve, spawn_fit, spawn_surface,
-    spawn_trim, strict,
+    spawn_trim, strict, tell_pre_image,
 };
 
 /// The schedule that an [`Engine`] runs once a pass.
@@ -169,6 +169,11 @@ impl Engine {
         options: TrimOptions,
     ) -> Entity {
         spawn_trim(&mut self.world, source, cuts, tolerance, options)
+    }
+
+    /// See [`tell_pre_image`].
+    pub fn tell_pre_image(&mut self, trim: Entity, cut: usize, points: Vec<PreImagePoint>) {
+        tell_pre_image(&mut self.world, trim, cut, points);
     }
 
     /// The entity that stands for what is left of `source` by all of its trims, once there is one.

@@ -42,7 +42,9 @@ pub use engine::{Engine, Pass, Progress, SelvedgePass, Stalled, TrimProgress};
 pub use install::{install, strict};
 #[cfg(feature = "bevy_app")]
 pub use plugin::SelvedgePlugin;
-pub use spawn::{cancel_fit, despawn_surface, spawn_cage, spawn_curve, spawn_fit, spawn_surface, spawn_trim};
+pub use spawn::{
+    cancel_fit, despawn_surface, spawn_cage, spawn_curve, spawn_fit, spawn_surface, spawn_trim, tell_pre_image,
+};
 
 pub use bevy_ecs;
 pub use glam::{self, DVec3};

@@ -174,6 +174,7 @@ pub const STAGES: &[StageContract] = &[
             "DetailOf",
             "Ground",
             "LocateWork",
+            "PreImages",
             "Serial",
             "Snapshot",
             "Solved",

@@ -84,6 +84,20 @@ pub enum PreImageError {
         /// The point of the first curve.
         at: DVec3,
     },
+    /// A given point of a pre-image is not near the curve.
+    #[error("the given pre-image lies {distance} off the curve at point {index}, u = {u}, {at}: more than {limit}")]
+    GivenOff {
+        /// The point of the given pre-image.
+        index: usize,
+        /// Its parameter.
+        u: f64,
+        /// The curve's point.
+        at: DVec3,
+        /// The distance of the place from it, in model units.
+        distance: f64,
+        /// The greatest that is allowed.
+        limit: f64,
+    },
     /// A given pre-image does not run along the curve, or skips over faces.
     #[error("the given pre-image is not usable at point {index}: {reason}")]
     BadGiven {

@@ -15,8 +15,8 @@ use selvedge_components::job::Cancelled;
 use selvedge_components::subdivision::{Cage, DetailOf, Snapshot};
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::trim::{
-    AtLocate, AtRemesh, OtherSide, Stale, Trim, TrimFailed, TrimFault, TrimInputs, TrimJob, TrimOptions, TrimStage,
-    TrimState, TrimmedTo,
+    AtLocate, AtRemesh, OtherSide, PreImages, Stale, Trim, TrimFailed, TrimFault, TrimInputs, TrimJob, TrimOptions,
+    TrimStage, TrimState, TrimmedTo,
 };
 
 use super::{Candidate, Source, Verdict, anything_changed, verdict};
@@ -40,6 +40,7 @@ type Job = (
     Has<TrimWork>,
     Option<&'static Solved>,
     Has<Cancelled>,
+    Option<&'static PreImages>,
 );
 type Surface = (Option<&'static Snapshot>, Option<&'static SurfaceFailed>, Option<&'static Ground>);
 
@@ -191,7 +192,7 @@ fn candidate<'w>(
     reads: &Reads,
 ) -> Candidate<'w> {
     let budgets = reads.budgets.as_deref().map_or_else(Budgets::default, |b| *b);
-    let &(entity, _, asked, options, tolerance, job, locating, has_work, solved, _) = trim;
+    let &(entity, _, asked, options, tolerance, job, locating, has_work, solved, _, given) = trim;
     let mut refusal = None;
     let cuts = asked.cuts.iter().map(|cut| {
         let Ok((space, failed)) = reads.curves.get(cut.curve) else {
@@ -210,6 +211,7 @@ fn candidate<'w>(
         source: asked.source,
         revision: surface.and_then(|s| s.0).map(|snapshot| snapshot.revision),
         cuts: cuts.collect(),
+        given: given.cloned().unwrap_or_default(),
         options: options.clone(),
         tolerance: tolerance.copied(),
         budgets,
@@ -288,8 +290,9 @@ fn begin_locating(
         }
         let cuts = inputs.cuts.iter().flatten();
         let cuts = cuts.map(|(curve, _, heading)| Cut::new(Arc::clone(curve), *heading)).collect();
-        let begun =
-            ground.clone().and_then(|ground| LocateWork::new(ground, cuts, inputs.options.clone(), inputs.tolerance));
+        let begun = ground.clone().and_then(|ground| {
+            Ok(LocateWork::new(ground, cuts, inputs.options.clone(), inputs.tolerance)?.with_given(&inputs.given))
+        });
         match begun {
             Ok(work) => {
                 let job = TrimJob::new(TrimState::Running(TrimStage::Locate), inputs);
