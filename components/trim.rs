@@ -18,7 +18,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use crate::budget::{BudgetExceeded, Budgets};
-use crate::curve::{Curve, Heading};
+use crate::curve::{Curve, CurveFault, Heading};
 use crate::evaluate::SurfacePoint;
 use crate::subdivision::fit::{FitError, Outcome, Rule, Rung, Storage};
 use crate::subdivision::remesh::RemeshError;
@@ -284,6 +284,8 @@ pub struct TrimJob {
     pub step: Option<Result<TrimQuantum, TrimFault>>,
     /// Which of the trims made together a failed [`Self::step`] is about, if that can be told.
     pub blamed: Option<Entity>,
+    /// Where it is about curves of two trims, the older of them.
+    pub with: Option<Entity>,
     /// The trims that it is made together with, itself included, in their order; none before it is
     /// known which they are. The first carries the work.
     pub together: Vec<Entity>,
@@ -294,7 +296,7 @@ pub struct TrimJob {
 impl TrimJob {
     /// A trim that begins with these inputs.
     pub const fn new(state: TrimState, inputs: TrimInputs) -> Self {
-        Self { state, inputs, step: None, blamed: None, together: Vec::new(), quanta: 0 }
+        Self { state, inputs, step: None, blamed: None, with: None, together: Vec::new(), quanta: 0 }
     }
 
     /// Does another trim, made together with this one, carry the work?
@@ -449,7 +451,7 @@ pub enum TrimFault {
         /// How many faults it has.
         faults: usize,
         /// The first of them.
-        first: String,
+        first: Box<CurveFault>,
     },
     /// A number of the options or the tolerance is not a positive distance.
     #[error("{what} is {value}, not a positive distance")]
@@ -458,6 +460,16 @@ pub enum TrimFault {
         what: &'static str,
         /// What it is.
         value: f64,
+    },
+    /// The tolerance is so small that rounding of the source's coordinates alone is above it.
+    #[error("{what} is {value:e}, but coordinates of the source are rounded by up to {limit:e}")]
+    BelowRounding {
+        /// Which.
+        what: &'static str,
+        /// What it is, in model units.
+        value: f64,
+        /// The least that it may be.
+        limit: f64,
     },
     /// A curve misses the source.
     #[error("curve {curve} does not meet the source within {limit}: at u = {u}, {at}, it is {distance} off")]
@@ -585,6 +597,9 @@ pub enum TrimAuditFault {
 pub struct TrimFailed {
     /// What happened.
     pub why: TrimFault,
+    /// The other trim, where it is about curves of two: of [`Self::why`]'s two curves the first is
+    /// that one's, the second this one's.
+    pub with: Option<Entity>,
     /// The ladder as far as it went.
     pub ladder: Vec<Rung>,
 }

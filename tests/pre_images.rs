@@ -42,14 +42,9 @@ fn pillow() -> LoopSurface {
     let mut faces = Vec::new();
     for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
         let [a, b, c, d] = [name(i, j), name(i + 1, j), name(i + 1, j + 1), name(i, j + 1)];
-        // The diagonals of corner squares end on the rim's corner, so that no face lies on the rim alone.
-        let triangles = if (i == 0) == (j == 0) && (i == N - 1) == (j == N - 1) || (i == j) {
-            [[a, b, c], [a, c, d]]
-        } else if (i == 0 && j == N - 1) || (i == N - 1 && j == 0) {
-            [[a, b, d], [b, c, d]]
-        } else {
-            [[a, b, c], [a, c, d]]
-        };
+        // At every corner of the rim the diagonal ends on it, so that no face lies on the rim alone.
+        let on_other_diagonal = (i == 0 && j == N - 1) || (i == N - 1 && j == 0);
+        let triangles = if on_other_diagonal { [[a, b, d], [b, c, d]] } else { [[a, b, c], [a, c, d]] };
         faces.extend(triangles);
         faces.extend(triangles.map(|[p, q, r]| [below[p as usize], below[r as usize], below[q as usize]]));
     }

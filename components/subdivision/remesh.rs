@@ -56,6 +56,16 @@ pub enum PreImageError {
         /// Its distance from the surface, in model units.
         distance: f64,
     },
+    /// An open curve begins or ends on the surface, where it must run round or from border to border.
+    #[error("the curve is open and ends on the surface at u = {u}, {at}: its ends lie {gap} apart")]
+    EndsInside {
+        /// The parameter of the end.
+        u: f64,
+        /// The curve's point there.
+        at: DVec3,
+        /// The distance of its ends, in model units.
+        gap: f64,
+    },
     /// Neighbouring points of the curve are closest to places that do not meet.
     #[error("the place of the curve on the surface is ambiguous near u = {u}, {at}: it jumps from face {} to face {}", .places[0].face, .places[1].face)]
     Ambiguous {

@@ -93,7 +93,7 @@ pub fn trace(
 /// borders: one that runs round if all of it does.
 ///
 /// # Errors
-/// As [`trace`]; a curve that leaves and comes back within a sixty-fourth of its parameter is not
+/// As [`trace`]; [`PreImageError::EndsInside`]; a curve that leaves and comes back within a sixty-fourth of its parameter is not
 /// followed, but refused as [`PreImageError::LeavesSurface`].
 pub fn trace_parts(
     mesh: &Connectivity,
@@ -121,6 +121,11 @@ pub fn trace_near(
     let seen = tracer.seen(&knots)?;
     if seen.iter().all(Option::is_some) && curve.closed() {
         return Ok(vec![tracer.round()?]);
+    }
+    let ends = [seen[0], seen[seen.len() - 1]];
+    if let (false, Some(end)) = (curve.closed(), ends.into_iter().flatten().next()) {
+        let gap = curve.position(0.0).distance(curve.position(1.0));
+        return Err(PreImageError::EndsInside { u: end.u, at: end.position, gap });
     }
     let mut parts = Vec::new();
     let count = knots.len();

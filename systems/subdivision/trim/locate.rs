@@ -66,7 +66,7 @@ impl LocateWork {
     /// Begins to locate `cuts` on `ground`.
     ///
     /// # Errors
-    /// [`TrimFault::BadNumber`]; [`TrimFault::Remesh`] where there is no curve.
+    /// [`TrimFault::BadNumber`], [`TrimFault::BelowRounding`]; [`TrimFault::Remesh`] where there is no curve.
     pub fn new(
         ground: Arc<Ground>,
         cuts: Vec<Cut>,
@@ -76,9 +76,14 @@ impl LocateWork {
         let positive = |what, value: f64| {
             if value.is_finite() && value > 0.0 { Ok(()) } else { Err(TrimFault::BadNumber { what, value }) }
         };
+        let limit = ground.rounding;
+        let above_rounding = |what, value: f64| {
+            positive(what, value)?;
+            if value >= limit { Ok(()) } else { Err(TrimFault::BelowRounding { what, value, limit }) }
+        };
         if let Some(tolerance) = tolerance {
-            positive("the tolerance of the fit", tolerance.fit)?;
-            positive("the tolerance of the curve", tolerance.curve)?;
+            above_rounding("the tolerance of the fit", tolerance.fit)?;
+            above_rounding("the tolerance of the curve", tolerance.curve)?;
         }
         if let Some(reach) = options.reach {
             positive("the reach", reach)?;

@@ -209,7 +209,7 @@ impl TrimWork {
     /// A failure for which no single curve can be named is that of the newest trim: those before it
     /// may be sound without it.
     pub fn newest(&self, why: TrimFault) -> Blamed {
-        Blamed { trim: self.members.len().saturating_sub(1), why }
+        Blamed { trim: self.members.len().saturating_sub(1), with: None, why }
     }
 
     /// A failure at a place is that of the trim whose curve is nearest; one at no place the newest's.
@@ -222,7 +222,7 @@ impl TrimWork {
         let owners = self.owners().into_iter().map(|owner| owner.0);
         let nearest = self.parts().zip(owners).map(|((_, image), trim)| (away(image), trim));
         match nearest.reduce(|a, b| if b.0 < a.0 { b } else { a }) {
-            Some((_, trim)) => Blamed { trim, why },
+            Some((_, trim)) => Blamed { trim, with: None, why },
             None => self.newest(why),
         }
     }
@@ -235,10 +235,10 @@ impl TrimWork {
         | RemeshError::Coincident { curves, .. } = &mut why
         {
             // Of two that do not go together, the newer one is in the way.
-            let newer = owners.get(curves[1]).map(|owner| owner.0);
+            let [older, newer] = curves.map(|part| owners.get(part).map(|owner| owner.0));
             *curves = curves.map(|part| owners.get(part).map_or(part, |owner| owner.1));
             return match newer {
-                Some(trim) => Blamed { trim, why: why.into() },
+                Some(trim) => Blamed { trim, with: older.filter(|&older| older != trim), why: why.into() },
                 None => self.newest(why.into()),
             };
         }
@@ -267,7 +267,7 @@ impl TrimWork {
         let Some((curve, part)) = blamed else { return self.newest(why.into()) };
         let Some(&(trim, own)) = owners.get(part) else { return self.newest(why.into()) };
         *curve = own;
-        Blamed { trim, why: why.into() }
+        Blamed { trim, with: None, why: why.into() }
     }
 
     /// Runs one work quantum of the audit of `fit`, which is done.
@@ -298,7 +298,7 @@ impl TrimWork {
 
     /// One quantum more of the other sides.
     fn advance_others(&mut self) -> Result<TrimQuantum, Blamed> {
-        let of_other = |trim, why| Blamed { trim, why: TrimFault::OtherSide { why: Box::new(why) } };
+        let of_other = |trim, why| Blamed { trim, with: None, why: TrimFault::OtherSide { why: Box::new(why) } };
         if let Some(mut other) = self.others.pop_if(|other| !other.is_done()) {
             let (trim, step) = (other.trim, other.advance(self));
             self.others.push(other);
@@ -416,6 +416,8 @@ fn place_of(why: &TrimFault) -> Option<DVec3> {
 pub struct Blamed {
     /// The trim, by index among those made together.
     pub trim: usize,
+    /// Where it is about curves of two of them, the older.
+    pub with: Option<usize>,
     /// What happened.
     pub why: TrimFault,
 }

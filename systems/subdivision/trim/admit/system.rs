@@ -199,8 +199,10 @@ fn candidate<'w>(
             refusal = refusal.take().or(Some(TrimFault::NoCurve { curve: cut.curve }));
             return None;
         };
-        if let Some(CurveFailed(faults)) = failed {
-            let first = faults.first().map_or_else(String::new, ToString::to_string);
+        if let Some(CurveFailed(faults)) = failed
+            && let Some(first) = faults.first()
+        {
+            let first = Box::new(first.clone());
             let why = TrimFault::CurveFailed { curve: cut.curve, faults: faults.len(), first };
             refusal = refusal.take().or(Some(why));
         }
@@ -339,6 +341,6 @@ fn ground(source: Entity, surfaces: &Query<Surface, With<Cage>>) -> Result<Arc<G
 
 /// Tells why a trim could not be made.
 fn fail(commands: &mut Commands, trim: Entity, inputs: TrimInputs, why: TrimFault) {
-    let failed = TrimFailed { why, ladder: Vec::new() };
+    let failed = TrimFailed { why, with: None, ladder: Vec::new() };
     commands.entity(trim).try_remove::<Traces>().try_insert((TrimJob::new(TrimState::Failed, inputs), failed));
 }

@@ -89,14 +89,15 @@ pub fn advance_trims(
                 let together = if job.together.is_empty() { vec![entity] } else { job.together.clone() };
                 let (nearest, why) = match work {
                     Some(work) => {
-                        let Blamed { trim, why } = work.nearest(why);
+                        let Blamed { trim, why, .. } = work.nearest(why);
                         (together.get(trim).copied(), why)
                     }
                     None => (None, why),
                 };
                 let blamed = job.blamed.take().or(nearest).filter(|trim| together.contains(trim));
                 let blamed = blamed.or(together.last().copied()).unwrap_or(entity);
-                ends.push((together, End::Failed(blamed, TrimFailed { why, ladder })));
+                let with = job.with.take().filter(|with| together.contains(with));
+                ends.push((together, End::Failed(blamed, TrimFailed { why, with, ladder })));
             }
         }
     }

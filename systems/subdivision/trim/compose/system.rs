@@ -183,7 +183,7 @@ fn fail(commands: &mut Commands, trims: &mut Query<Made>, Failure { together, fa
         job.together.clear();
         job.state = if trim == failed { TrimState::Failed } else { TrimState::Located };
     }
-    let failure = TrimFailed { why, ladder: Vec::new() };
+    let failure = TrimFailed { why, with: None, ladder: Vec::new() };
     commands.entity(failed).try_remove::<FailedTraces>().try_insert(failure);
 }
 
