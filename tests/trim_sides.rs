@@ -116,7 +116,7 @@ fn a_slot_that_splits_a_surface_gives_three_parts() {
 fn a_cut_out_with_corners_fits_its_hole() {
     let mut plate = Plate::new();
     let corner = |k: usize| {
-        let radius = if k % 2 == 0 { 0.1 } else { 0.05 };
+        let radius = if k.is_multiple_of(2) { 0.1 } else { 0.05 };
         (radius * DVec2::from_angle(0.3 + core::f64::consts::TAU * (k % 10) as f64 / 10.0)).extend(0.0)
     };
     let sides = (0..10).map(|k| Arc::new(Segment { start: corner(k), end: corner(k + 1) }) as Arc<dyn Curve>);
