@@ -213,7 +213,7 @@ pub fn arrange(
     cuts: &[Cut],
     preimages: &[PreImage],
     options: &JunctionOptions,
-    other: Option<&OtherSide<'_>>,
+    other: Option<&OtherSide>,
 ) -> Result<Arrangement, RemeshError> {
     let mesh = &*surface.mesh;
     let pre_image = |curve, source| RemeshError::PreImage { curve, source };

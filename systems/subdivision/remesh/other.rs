@@ -18,12 +18,12 @@ use super::junction::Meeting;
 use super::{Cut, Remeshed};
 
 /// Which other side is wanted.
-#[derive(Clone, Copy, Debug)]
-pub struct OtherSide<'a> {
+#[derive(Clone, Debug)]
+pub struct OtherSide {
     /// The set of curves whose far side it is.
     pub set: u32,
     /// What stays: it has the parameters.
-    pub kept: &'a Remeshed,
+    pub kept: Arc<Remeshed>,
 }
 
 /// Of the junctions of two curves, the one with parameters as near as this is the same one: places
@@ -34,7 +34,7 @@ fn apart(a: f64, b: f64) -> f64 {
     (a - b - (a - b).round()).abs()
 }
 
-impl OtherSide<'_> {
+impl OtherSide {
     /// The curves, those of the set walked the other way.
     pub(super) fn turned(&self, cuts: &[Cut]) -> Vec<Cut> {
         let turned = |cut: &Cut| match (cut.set == self.set, cut.heading) {

@@ -35,11 +35,11 @@ impl OtherWork {
     ///
     /// # Errors
     /// As [`remesh::remesh_other`] and [`FitWork::new`].
-    pub(super) fn new(work: &TrimWork, trim: usize, kept: &Remeshed) -> Result<Self, TrimFault> {
+    pub(super) fn new(work: &TrimWork, trim: usize, kept: Arc<Remeshed>) -> Result<Self, TrimFault> {
         let (cuts, images) = work.cuts();
         let other = OtherSide { set: trim as u32, kept };
-        let surface = &work.ground().surface;
-        let remeshed = remesh::remesh_other(surface, &cuts, &images, &work.remesh_options(), &other)
+        let surface = Arc::clone(&work.ground().surface);
+        let remeshed = remesh::remesh_other(surface, &cuts, &images, &work.remesh_options(), other)
             .map_err(|why| work.named(why))?;
         let fit = Box::new(work.fit_of(&remeshed)?);
         Ok(Self { trim, remeshed: Arc::new(remeshed), fit, stage: Stage::Fit })
