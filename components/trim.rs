@@ -18,7 +18,8 @@ use glam::DVec3;
 use thiserror::Error;
 
 use crate::budget::{BudgetExceeded, Budgets};
-use crate::curve::{Curve, Heading};
+use crate::curve::{Curve, CurveFault, Heading};
+use crate::evaluate::SurfacePoint;
 use crate::subdivision::fit::{FitError, Outcome, Rule, Rung, Storage};
 use crate::subdivision::remesh::RemeshError;
 use crate::tolerance::Tolerance;
@@ -26,8 +27,9 @@ use crate::tolerance::Tolerance;
 /// A trim: directed curves that cut a source. What lies on their left stays.
 ///
 /// Spawn an entity with it, with [`TrimOptions`] and a [`Tolerance`] if you like, and it begins in
-/// the next pass. All trims of one source together leave its result: what stays lies on the left of
-/// each of them. Their order, where it shows, is that of their serials. A trim begins again when
+/// the next pass. Each trim by itself leaves what lies on the left of its curves, which together are
+/// one border, and all trims of one source leave its result: what each of them leaves. Their order,
+/// where it shows, is that of their serials. A trim begins again when
 /// anything that it reads has become another: source, curves, tolerance, options, budgets.
 #[derive(Component, Clone, Debug, PartialEq, Eq)]
 #[require(TrimOptions)]
@@ -45,6 +47,25 @@ pub struct TrimCurve {
     pub curve: Entity,
     /// Which way it is walked.
     pub heading: Heading,
+}
+
+/// On a trim: where its curves run on the source, roughly, as far as the host knows it. By cut; cuts
+/// beyond the list have none.
+///
+/// The engine finds that by itself, as the closest points. Where the closest point is not the one that
+/// is meant, since a curve runs between two sheets that are near to each other, a few places say which
+/// sheet it is. They are where the search begins, and no more: each must lie near the curve, and the
+/// place that is found from it is used in its stead.
+#[derive(Component, Clone, Debug, Default, PartialEq)]
+pub struct PreImages(pub Vec<Arc<[PreImagePoint]>>);
+
+/// A place of the source at which a curve is said to run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PreImagePoint {
+    /// The curve's parameter, in [0, 1], rising from point to point.
+    pub u: f64,
+    /// The place, no farther from the curve's point than a mean edge of the cage.
+    pub at: SurfacePoint,
 }
 
 /// What a stretch of a trimmed border runs along.
@@ -101,6 +122,20 @@ pub struct TrimOptions {
     pub samples: u32,
     /// Chooses the samples.
     pub seed: u64,
+    /// Whether what the trim removes is wanted, too.
+    pub sides: Sides,
+}
+
+/// Which sides of its curves a trim makes surfaces of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Sides {
+    /// What stays.
+    #[default]
+    Left,
+    /// What stays, and what the trim removes of that which all other trims of its source leave: a
+    /// result of its own, named by [`OtherSide`]. The two make up what would be left without the
+    /// trim. Where they meet, both have the same samples of the curves, bit for bit on every level.
+    Both,
 }
 
 impl Default for TrimOptions {
@@ -115,6 +150,7 @@ impl Default for TrimOptions {
             reach: None,
             samples: 45,
             seed: 0x5e1_7ed6e,
+            sides: Sides::Left,
         }
     }
 }
@@ -128,6 +164,14 @@ pub struct TrimmedTo(pub Entity);
 /// any surface.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ResultOf(pub Entity);
+
+/// On a trim whose options ask for it: the result that is what it removes.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OtherSide(pub Entity);
+
+/// On a result: the trim that removes it. It bears a snapshot, as any result does.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OtherSideOf(pub Entity);
 
 /// On a result: it is the last good one, and its trims or its source have changed since.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -223,6 +267,8 @@ pub struct TrimInputs {
     pub revision: Option<u64>,
     /// The curves; `None` where the entity named has no curve.
     pub cuts: Vec<Option<CutInput>>,
+    /// Where they are said to run.
+    pub given: PreImages,
     /// How the trim is made.
     pub options: TrimOptions,
     /// The trim's tolerance, if it has one.
@@ -241,7 +287,7 @@ impl PartialEq for TrimInputs {
         };
         let rest = |inputs: &Self| (inputs.source, inputs.revision, inputs.tolerance, inputs.budgets);
         rest(self) == rest(other)
-            && self.options == other.options
+            && (&self.options, &self.given) == (&other.options, &other.given)
             && self.cuts.len() == other.cuts.len()
             && self.cuts.iter().zip(&other.cuts).all(|(a, b)| same(a, b))
     }
@@ -259,6 +305,8 @@ pub struct TrimJob {
     pub step: Option<Result<TrimQuantum, TrimFault>>,
     /// Which of the trims made together a failed [`Self::step`] is about, if that can be told.
     pub blamed: Option<Entity>,
+    /// Where it is about curves of two trims, the older of them.
+    pub with: Option<Entity>,
     /// The trims that it is made together with, itself included, in their order; none before it is
     /// known which they are. The first carries the work.
     pub together: Vec<Entity>,
@@ -269,7 +317,7 @@ pub struct TrimJob {
 impl TrimJob {
     /// A trim that begins with these inputs.
     pub const fn new(state: TrimState, inputs: TrimInputs) -> Self {
-        Self { state, inputs, step: None, blamed: None, together: Vec::new(), quanta: 0 }
+        Self { state, inputs, step: None, blamed: None, with: None, together: Vec::new(), quanta: 0 }
     }
 
     /// Does another trim, made together with this one, carry the work?
@@ -315,6 +363,25 @@ pub struct TrimReport {
     /// What relaxation did, by curve.
     pub relaxed: Vec<Relaxed>,
     /// What the new cage is like.
+    pub cage: TrimmedCage,
+    /// What the audit found.
+    pub audit: TrimAudit,
+    /// How the other side went, where it is wanted.
+    pub other: Option<Box<OtherReport>>,
+}
+
+/// How the other side of a trim went: as the fields of [`TrimReport`] that have the same names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OtherReport {
+    /// The error of the cage alone, before any detail.
+    pub initial: Option<Rung>,
+    /// The error ladder, level by level.
+    pub ladder: Vec<Rung>,
+    /// How the fit ended.
+    pub outcome: Outcome,
+    /// Its detail coefficients.
+    pub details: usize,
+    /// What its cage is like.
     pub cage: TrimmedCage,
     /// What the audit found.
     pub audit: TrimAudit,
@@ -405,7 +472,7 @@ pub enum TrimFault {
         /// How many faults it has.
         faults: usize,
         /// The first of them.
-        first: String,
+        first: Box<CurveFault>,
     },
     /// A number of the options or the tolerance is not a positive distance.
     #[error("{what} is {value}, not a positive distance")]
@@ -414,6 +481,16 @@ pub enum TrimFault {
         what: &'static str,
         /// What it is.
         value: f64,
+    },
+    /// The tolerance is so small that rounding of the source's coordinates alone is above it.
+    #[error("{what} is {value:e}, but coordinates of the source are rounded by up to {limit:e}")]
+    BelowRounding {
+        /// Which.
+        what: &'static str,
+        /// What it is, in model units.
+        value: f64,
+        /// The least that it may be.
+        limit: f64,
     },
     /// A curve misses the source.
     #[error("curve {curve} does not meet the source within {limit}: at u = {u}, {at}, it is {distance} off")]
@@ -458,6 +535,12 @@ pub enum TrimFault {
     Audit {
         /// Everything that is wrong.
         faults: Vec<TrimAuditFault>,
+    },
+    /// What stays could be made, but not the other side, which was asked for, too.
+    #[error("the other side: {why}")]
+    OtherSide {
+        /// What happened there.
+        why: Box<TrimFault>,
     },
     /// A budget is spent.
     #[error(transparent)]
@@ -535,6 +618,9 @@ pub enum TrimAuditFault {
 pub struct TrimFailed {
     /// What happened.
     pub why: TrimFault,
+    /// The other trim, where it is about curves of two: of [`Self::why`]'s two curves the first is
+    /// that one's, the second this one's.
+    pub with: Option<Entity>,
     /// The ladder as far as it went.
     pub ladder: Vec<Rung>,
 }

@@ -16,11 +16,14 @@ use selvedge_components::subdivision::fit::FitOptions;
 use selvedge_components::subdivision::{LoopSurface, Snapshot};
 use selvedge_components::target::Target;
 use selvedge_components::tolerance::Tolerance;
-use selvedge_components::trim::{Trim, TrimFailed, TrimJob, TrimOptions, TrimReport, TrimStage, TrimState, TrimmedTo};
+use selvedge_components::trim::{
+    OtherSide, PreImagePoint, Trim, TrimFailed, TrimJob, TrimOptions, TrimReport, TrimStage, TrimState, TrimmedTo,
+};
 use thiserror::Error;
 
 use crate::{
-    cancel_fit, despawn_surface, install, spawn_cage, spawn_curve, spawn_fit, spawn_surface, spawn_trim, strict,
+    BakeError, bake, cancel_fit, despawn_surface, install, spawn_cage, spawn_curve, spawn_fit, spawn_surface,
+    spawn_trim, strict, tell_pre_image,
 };
 
 /// The schedule that an [`Engine`] runs once a pass.
@@ -168,9 +171,28 @@ impl Engine {
         spawn_trim(&mut self.world, source, cuts, tolerance, options)
     }
 
+    /// See [`tell_pre_image`].
+    pub fn tell_pre_image(&mut self, trim: Entity, cut: usize, points: Vec<PreImagePoint>) {
+        tell_pre_image(&mut self.world, trim, cut, points);
+    }
+
     /// The entity that stands for what is left of `source` by all of its trims, once there is one.
     pub fn result(&self, source: Entity) -> Option<Entity> {
         self.world.get::<TrimmedTo>(source).map(|result| result.0)
+    }
+
+    /// The entity that stands for what `trim` removes, once there is one: its options must ask for
+    /// [`Sides::Both`](selvedge_components::trim::Sides::Both).
+    pub fn other_side(&self, trim: Entity) -> Option<Entity> {
+        self.world.get::<OtherSide>(trim).map(|result| result.0)
+    }
+
+    /// See [`bake`].
+    ///
+    /// # Errors
+    /// As [`bake`].
+    pub fn bake(&mut self, result: Entity) -> Result<Entity, BakeError> {
+        bake(&mut self.world, result)
     }
 
     /// How far `trim` is; `None` for what is no trim.

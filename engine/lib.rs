@@ -25,6 +25,7 @@
 //! assert!(report.ladder[2].max < 2e-3 && report.ladder[2].max < report.ladder[0].max);
 //! ```
 
+mod bake;
 pub mod cli;
 #[cfg(feature = "diagram")]
 pub mod diagram;
@@ -36,11 +37,14 @@ mod plugin;
 pub mod scenes;
 mod spawn;
 
+pub use bake::{BakeError, bake};
 pub use engine::{Engine, Pass, Progress, SelvedgePass, Stalled, TrimProgress};
 pub use install::{install, strict};
 #[cfg(feature = "bevy_app")]
 pub use plugin::SelvedgePlugin;
-pub use spawn::{cancel_fit, despawn_surface, spawn_cage, spawn_curve, spawn_fit, spawn_surface, spawn_trim};
+pub use spawn::{
+    cancel_fit, despawn_surface, spawn_cage, spawn_curve, spawn_fit, spawn_surface, spawn_trim, tell_pre_image,
+};
 
 pub use bevy_ecs;
 pub use glam::{self, DVec3};

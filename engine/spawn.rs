@@ -14,7 +14,7 @@ use selvedge_components::subdivision::{
 };
 use selvedge_components::target::Target;
 use selvedge_components::tolerance::Tolerance;
-use selvedge_components::trim::{Trim, TrimCurve, TrimOptions};
+use selvedge_components::trim::{PreImagePoint, PreImages, Trim, TrimCurve, TrimOptions};
 
 /// Spawns a surface with all its control points and details, each kind in one batch. Returns the
 /// surface.
@@ -108,6 +108,17 @@ pub fn spawn_trim(
         trim.insert(tolerance);
     }
     trim.id()
+}
+
+/// Tells where curve `cut` of `trim` runs on the source, roughly: see [`PreImages`]. What is told of it
+/// replaces what was told before; no points take that back. Nothing happens to what is no trim.
+pub fn tell_pre_image(world: &mut World, trim: Entity, cut: usize, points: Vec<PreImagePoint>) {
+    let Ok(mut trim) = world.get_entity_mut(trim) else { return };
+    let Some(cuts) = trim.get::<Trim>().map(|trim| trim.cuts.len()).filter(|&cuts| cut < cuts) else { return };
+    let mut given = trim.take::<PreImages>().unwrap_or_default();
+    given.0.resize_with(cuts, || Arc::from([]));
+    given.0[cut] = points.into();
+    trim.insert(given);
 }
 
 fn next_serial(world: &mut World) -> Serial {

@@ -93,7 +93,7 @@ fn crossing() -> Scene {
         DVec3::new(0.1 * s, 0.08 * s * c, 0.0)
     });
     let curve = selvedge::scenes::trims::ground::lay(&scene.ground, Arc::new(eight.closed())).expect("a direction");
-    Scene { name: "eight".into(), trims: vec![vec![Cut { curve, heading: Heading::Along }]], ..scene }
+    Scene { name: "eight".into(), trims: vec![vec![Cut::new(curve, Heading::Along)]], ..scene }
 }
 
 #[cfg(feature = "diagram")]

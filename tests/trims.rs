@@ -9,136 +9,17 @@ use glam::{DVec2, DVec3};
 use selvedge::curve::{Circle, Curve, FnCurve, Heading, SpaceCurve};
 use selvedge::diagnostics::SubdivisionDiagnostics;
 use selvedge::evaluate::{Evaluate, SurfacePoint};
-use selvedge::io::{Cage, Limits, obj};
 use selvedge::job::Cancelled;
-use selvedge::mesh::{Connectivity, FaceId};
+use selvedge::mesh::FaceId;
 use selvedge::subdivision::remesh::RemeshError;
-use selvedge::subdivision::{ControlPoints, DetailOf, LoopSurface, Position, Snapshot};
+use selvedge::subdivision::{ControlPoints, Position};
 use selvedge::tolerance::Tolerance;
-use selvedge::trim::{
-    ResultOf, Stale, Trim, TrimFailed, TrimFault, TrimJob, TrimOptions, TrimReport, TrimState, TrimmedTo,
-};
-use selvedge::{despawn_surface, spawn_curve, spawn_surface, spawn_trim};
+use selvedge::trim::{ResultOf, Stale, Trim, TrimFault, TrimJob, TrimOptions, TrimmedTo};
+use selvedge::{despawn_surface, spawn_curve, spawn_trim};
 use selvedge_systems::closest::SurfaceIndex;
-use selvedge_systems::projected_curve::{Pick, ProjectedCurve};
 use selvedge_systems::subdivision::limit::LimitSurface;
-use support::world::{bits, host};
-
-const TOLERANCE: f64 = 13e-6;
-
-fn plate() -> LoopSurface {
-    let polygons = obj::read(include_bytes!("../data/plates/plate8.obj"), &Limits::default()).expect("a plate");
-    let cage = Cage::from_polygons(polygons).expect("a cage");
-    let mesh = Arc::new(Connectivity::new(cage.positions.len(), &cage.triangles).expect("sound"));
-    let corners: Vec<_> = mesh.border_loops()[0].iter().copied().filter(|&v| mesh.valence(v) < 4).collect();
-    LoopSurface::plain(mesh, cage.positions, &corners)
-}
-
-/// A wavy plate of `n` by `n` squares of 5 cm.
-fn wide_plate(n: u32) -> LoopSurface {
-    let at = |i: u32| (f64::from(i) - 0.5 * f64::from(n)) * 0.05;
-    let points = (0..=n).flat_map(|i| (0..=n).map(move |j| (at(i), at(j))));
-    let points: Vec<DVec3> =
-        points.map(|(x, y)| DVec3::new(x, y, 0.006 * (11.0 * x).sin() * (9.0 * y).cos())).collect();
-    let name = |i: u32, j: u32| i * (n + 1) + j;
-    let squares = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-    let faces: Vec<[u32; 3]> = squares
-        .flat_map(|(i, j)| {
-            let [a, b, c, d] = [name(i, j), name(i + 1, j), name(i + 1, j + 1), name(i, j + 1)];
-            [[a, b, c], [a, c, d]]
-        })
-        .collect();
-    let mesh = Arc::new(Connectivity::new(points.len(), &faces).expect("sound"));
-    let corners: Vec<_> = mesh.border_loops()[0].iter().copied().filter(|&v| mesh.valence(v) < 4).collect();
-    LoopSurface::plain(mesh, points, &corners)
-}
-
-/// The circle about `centre` on `surface`, seen from above.
-fn circle(surface: &LoopSurface, centre: DVec2, radius: f64) -> Arc<dyn Curve> {
-    let limit = LimitSurface::new(Arc::new(surface.clone())).expect("sound");
-    let index = Arc::new(SurfaceIndex::new(Arc::new(limit)).expect("finite"));
-    let above = Circle::new(centre.extend(0.1), DVec3::Z, radius).expect("a circle");
-    Arc::new(ProjectedCurve::new(Arc::new(above), DVec3::NEG_Z, index, Pick::First).expect("a direction"))
-}
-
-fn tolerance() -> Option<Tolerance> {
-    Some(Tolerance { fit: TOLERANCE, chord: TOLERANCE, curve: TOLERANCE })
-}
-
-/// A world with a plate and bores in it.
-struct Plate {
-    world: World,
-    schedule: Schedule,
-    source: Entity,
-    surface: LoopSurface,
-}
-
-impl Plate {
-    fn new() -> Self {
-        Self::of(plate())
-    }
-
-    fn of(surface: LoopSurface) -> Self {
-        let (mut world, schedule) = host();
-        let source = spawn_surface(&mut world, &surface);
-        Self { world, schedule, source, surface }
-    }
-
-    fn bore(&mut self, centre: DVec2, radius: f64) -> Entity {
-        let curve = spawn_curve(&mut self.world, circle(&self.surface, centre, radius));
-        self.cut(curve, Heading::Against)
-    }
-
-    fn cut(&mut self, curve: Entity, heading: Heading) -> Entity {
-        spawn_trim(&mut self.world, self.source, &[(curve, heading)], tolerance(), TrimOptions::default())
-    }
-
-    fn run(&mut self) {
-        self.schedule.run(&mut self.world);
-        self.world.clear_trackers();
-    }
-
-    /// Passes until no trim is at work. Returns how many.
-    fn settle(&mut self) -> u64 {
-        for passes in 1..10_000 {
-            self.run();
-            let mut jobs = self.world.query::<(Option<&TrimJob>, &Trim)>();
-            if jobs.iter(&self.world).all(|(job, _)| job.is_some_and(|job| !job.is_running())) {
-                self.run();
-                return passes;
-            }
-        }
-        panic!("trims do not end");
-    }
-
-    fn state(&self, trim: Entity) -> TrimState {
-        self.world.get::<TrimJob>(trim).expect("the trim was begun").state
-    }
-
-    fn report(&self, trim: Entity) -> &TrimReport {
-        if let Some(failed) = self.world.get::<TrimFailed>(trim) {
-            panic!("{failed}");
-        }
-        self.world.get::<TrimReport>(trim).expect("the trim is done")
-    }
-
-    fn failure(&self, trim: Entity) -> &TrimFault {
-        &self.world.get::<TrimFailed>(trim).expect("the trim has failed").why
-    }
-
-    fn result(&self) -> Option<&LoopSurface> {
-        let result = self.world.get::<TrimmedTo>(self.source)?;
-        Some(&self.world.get::<Snapshot>(result.0).expect("a result has a snapshot").surface)
-    }
-
-    fn details(&mut self) -> usize {
-        self.world.query::<&DetailOf>().iter(&self.world).count()
-    }
-
-    fn source_bits(&self) -> Vec<u64> {
-        bits(&self.world.get::<Snapshot>(self.source).expect("gathered").surface)
-    }
-}
+use support::plate::{Plate, TOLERANCE, circle, tolerance, wide_plate};
+use support::world::bits;
 
 #[test]
 fn a_bore_leaves_a_result_beside_its_source() {
@@ -255,14 +136,6 @@ fn a_trim_that_fails_is_skipped_and_the_others_are_made() {
     assert!(matches!(plate.failure(away), TrimFault::Misses { .. } | TrimFault::Remesh(_)), "{}", plate.failure(away));
     assert!(plate.report(good).audit.greatest().0 <= TOLERANCE);
     assert_eq!(plate.result().expect("a result").mesh.euler(), 0);
-}
-
-impl Plate {
-    fn bore_in_the_air(&mut self) -> Entity {
-        let circle = Circle::new(DVec3::new(0.0, 0.0, 0.3), DVec3::Z, 0.05).expect("a circle");
-        let curve = spawn_curve(&mut self.world, Arc::new(circle));
-        self.cut(curve, Heading::Against)
-    }
 }
 
 #[test]

@@ -56,6 +56,16 @@ pub enum PreImageError {
         /// Its distance from the surface, in model units.
         distance: f64,
     },
+    /// An open curve begins or ends on the surface, where it must run round or from border to border.
+    #[error("the curve is open and ends on the surface at u = {u}, {at}: its ends lie {gap} apart")]
+    EndsInside {
+        /// The parameter of the end.
+        u: f64,
+        /// The curve's point there.
+        at: DVec3,
+        /// The distance of its ends, in model units.
+        gap: f64,
+    },
     /// Neighbouring points of the curve are closest to places that do not meet.
     #[error("the place of the curve on the surface is ambiguous near u = {u}, {at}: it jumps from face {} to face {}", .places[0].face, .places[1].face)]
     Ambiguous {
@@ -83,6 +93,20 @@ pub enum PreImageError {
         u: [f64; 2],
         /// The point of the first curve.
         at: DVec3,
+    },
+    /// A given point of a pre-image is not near the curve.
+    #[error("the given pre-image lies {distance} off the curve at point {index}, u = {u}, {at}: more than {limit}")]
+    GivenOff {
+        /// The point of the given pre-image.
+        index: usize,
+        /// Its parameter.
+        u: f64,
+        /// The curve's point.
+        at: DVec3,
+        /// The distance of the place from it, in model units.
+        distance: f64,
+        /// The greatest that is allowed.
+        limit: f64,
     },
     /// A given pre-image does not run along the curve, or skips over faces.
     #[error("the given pre-image is not usable at point {index}: {reason}")]
@@ -125,9 +149,12 @@ pub enum RemeshError {
         /// A point of the part.
         at: DVec3,
     },
-    /// Nothing is left.
-    #[error("nothing is left of the surface: no part lies on the left of all curves")]
-    NothingLeft,
+    /// Nothing is left: what lies on the left of this curve lies on the right of others.
+    #[error("nothing is left of the surface: what curve {curve} leaves, others take away")]
+    NothingLeft {
+        /// A curve of the newest set that is in the way, by index.
+        curve: usize,
+    },
     /// The cage would have to be finer than faces can be addressed, or than was allowed.
     #[error("the cage would have to be finer than level {limit} at {at} (curve {curve}, u = {u})")]
     TooFine {

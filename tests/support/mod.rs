@@ -1,6 +1,7 @@
 //! Surfaces that several tests share.
 #![allow(dead_code, reason = "each test binary uses its own part of this module")]
 
+pub mod plate;
 pub mod world;
 
 use std::collections::BTreeMap;

@@ -242,7 +242,7 @@ impl Case {
         knots.sort_by(f64::total_cmp);
         let drawn: Vec<DVec2> = knots.into_iter().map(|u| frame.under(plane.position(u))).collect();
         lies_flat(ground, &curve, &*plane, &frame, size).then(|| {
-            let cut = Cut { curve: Arc::new(curve), heading: Heading::Against };
+            let cut = Cut::new(Arc::new(curve), Heading::Against);
             (cut, (frame, drawn, size))
         })
     }

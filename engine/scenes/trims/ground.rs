@@ -73,7 +73,7 @@ pub fn lay(ground: &Ground, plane: Arc<dyn Curve>) -> Result<Arc<dyn Curve>, Tri
 /// As [`lay`].
 pub fn hole(ground: &Ground, plane: Arc<dyn Curve>) -> Result<Cut, TrimSceneError> {
     let heading = if turns_left(&*plane) { Heading::Against } else { Heading::Along };
-    Ok(Cut { curve: lay(ground, plane)?, heading })
+    Ok(Cut::new(lay(ground, plane)?, heading))
 }
 
 /// The cut along a closed plane curve, laid on `ground`, that keeps what is inside.

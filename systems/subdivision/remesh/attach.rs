@@ -26,6 +26,17 @@ pub struct Knot {
     pub kind: KnotKind,
     /// The first rim vertex that it is joined to, by its place in the rim.
     pub first: u32,
+    /// How many rim edges it sees: as many as its kind asks for, unless its parameter is given.
+    pub span: u32,
+    /// Is its parameter given, so that it stays where it is?
+    pub given: bool,
+}
+
+impl Knot {
+    /// A knot that may move, and sees what its kind asks for.
+    const fn new(kind: KnotKind, first: u32) -> Self {
+        Self { t: 0.0, kind, first, span: kind.span(), given: false }
+    }
 }
 
 /// What a new vertex on a curve is.
@@ -81,7 +92,7 @@ impl Strip {
         let q = |i: u32| self.rim[i as usize % m];
         let mut triangles = Vec::with_capacity(2 * m);
         for (i, knot) in self.knots.iter().enumerate() {
-            let last = knot.first + knot.kind.span();
+            let last = knot.first + knot.span;
             triangles.extend((knot.first..last).map(|j| [q(j + 1), q(j), name(i)]));
             if self.closed || i + 1 < self.knots.len() {
                 triangles.push([q(last), name(i), name((i + 1) % self.knots.len())]);
@@ -102,7 +113,7 @@ impl Strip {
     pub fn widths(&self, limit: impl Fn(u32) -> DVec3) -> Vec<f64> {
         let m = self.rim.len();
         let q = |i: u32| limit(self.rim[i as usize % m]);
-        let width = |k: &Knot| (k.first..k.first + k.kind.span()).map(|j| q(j).distance(q(j + 1))).sum();
+        let width = |k: &Knot| (k.first..k.first + k.span).map(|j| q(j).distance(q(j + 1))).sum();
         self.knots.iter().map(width).collect()
     }
 }
@@ -146,7 +157,7 @@ pub fn attach(track: &Track, cut: u32, rim: &Rim, limit: impl Fn(u32) -> (DVec3,
 }
 
 fn plain_knots(m: usize) -> Vec<Knot> {
-    (0..m as u32).map(|first| Knot { t: 0.0, kind: KnotKind::Smooth, first }).collect()
+    (0..m as u32).map(|first| Knot::new(KnotKind::Smooth, first)).collect()
 }
 
 fn corner(track: &Track, p: u32, rim: &Rim, limit: &impl Fn(u32) -> (DVec3, DVec3)) -> Corner {
@@ -242,7 +253,7 @@ fn knots_between(track: &Track, cut: u32, corners: &[Corner], m: usize, closed: 
         let next = &corners[(k + 1) % corners.len()];
         let round = if k + 1 == corners.len() { m as i64 } else { 0 };
         let [first, from] = c.share();
-        knots.push(Knot { t: 0.0, kind: c.kind, first: name(first) });
+        knots.push(Knot::new(c.kind, name(first)));
         if !closed && k + 1 == corners.len() {
             break;
         }
@@ -250,7 +261,7 @@ fn knots_between(track: &Track, cut: u32, corners: &[Corner], m: usize, closed: 
         if to - from < FEWEST {
             return Err(track.place(cut, c.along));
         }
-        knots.extend((from..to).map(|i| Knot { t: 0.0, kind: KnotKind::Smooth, first: name(i) }));
+        knots.extend((from..to).map(|i| Knot::new(KnotKind::Smooth, name(i))));
     }
     Ok(knots)
 }

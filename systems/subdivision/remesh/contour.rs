@@ -1,15 +1,15 @@
 //! # Contours: the borders that the curves together make
 //!
-//! Where curves cross they are cut into pieces. A piece stays if its left is on the left of all curves
-//! ([`winding`](super::winding)); the pieces that stay follow each other from crossing to crossing, and
+//! Where curves cross they are cut into pieces. A piece stays if what is on its left stays
+//! ([`sets`](super::sets)); the pieces that stay follow each other from crossing to crossing, and
 //! make up contours that run round or from border to border. Everything after works contour by
 //! contour: each is one curve of one parameter, with a corner at each junction.
 
 use std::sync::Arc;
 
 use glam::DVec3;
-use selvedge_components::curve::{Curve, Heading, wrap};
-use selvedge_components::mesh::{Connectivity, FaceId};
+use selvedge_components::curve::{Curve, CurveParameters, Heading, wrap};
+use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::remesh::{PreImageError, RemeshError};
 use selvedge_components::subdivision::{LoopSurface, NONE};
 use selvedge_components::trim::Junction;
@@ -18,7 +18,9 @@ use super::super::relax::curve_parameter;
 use super::borders::Borders;
 use super::crossing::{self, Crossing};
 use super::junction::{self, JunctionOptions, Meeting};
+use super::other::OtherSide;
 use super::path::Leg;
+use super::sets::{Sets, Stays};
 use super::track::{Near, Track, TrackPoint};
 use super::winding::{Way, Ways, Winding};
 use super::{Cut, PreImage};
@@ -103,6 +105,11 @@ impl Contour {
         Spot { span: span as u32, u: own.u[which], junction: own.junctions[which] }
     }
 
+    /// How far on its travel parameter comes in `way` of the travel along a stretch's curve.
+    pub(super) fn travel(&self, span: &Span, way: f64) -> f64 {
+        if self.is_single() { way } else { way / ((span.t[1] - span.t[0]) * self.spans.len() as f64) }
+    }
+
     fn spot_on(&self, cuts: &[Cut], span: usize, share: f64) -> Spot {
         let own = &self.spans[span];
         let cut = &cuts[own.cut as usize];
@@ -182,19 +189,21 @@ pub struct Arrangement {
     pub junctions: Vec<Junction>,
     /// The curves no part of which is a border, ascending.
     pub unused: Vec<usize>,
+    /// By contour and stretch, the parameters that it has to have, if any.
+    pub given: Vec<Vec<Option<Arc<CurveParameters>>>>,
     /// What tells left from right.
-    pub winding: Winding,
+    pub stays: Stays,
 }
 
 /// A stretch before it is known whether it stays.
-struct Stretch {
-    span: Span,
+pub(super) struct Stretch {
+    pub span: Span,
     /// Where it begins and ends on its curve's track.
     from: Near,
     to: Near,
 }
 
-/// Finds the borders.
+/// Finds the borders of what stays, or of the other side of a set whose curves are turned.
 ///
 /// # Errors
 /// When a pre-image is not usable or crosses itself, curves do not separate the surface, or cross in
@@ -204,6 +213,7 @@ pub fn arrange(
     cuts: &[Cut],
     preimages: &[PreImage],
     options: &JunctionOptions,
+    other: Option<&OtherSide>,
 ) -> Result<Arrangement, RemeshError> {
     let mesh = &*surface.mesh;
     let pre_image = |curve, source| RemeshError::PreImage { curve, source };
@@ -215,12 +225,11 @@ pub fn arrange(
     })?;
     let meetings =
         crossings.iter().map(|c| junction::meet(&curves, cuts, c, options)).collect::<Result<Vec<_>, _>>()?;
-    let mut winding = Winding::new(mesh, ways).map_err(|face| not_separating(mesh, &curves, face))?;
+    let with_bits = |meeting| other.map_or(meeting, |other| other.with_bits(meeting));
+    let meetings: Vec<Meeting> = meetings.into_iter().map(with_bits).collect();
     let stretches = stretches(&curves, &crossings, &meetings)?;
-    let numbers: Vec<_> = stretches.iter().map(|s| number(&curves, &winding, s)).collect();
-    numbers.iter().for_each(|&(face, number)| winding.note(face, number));
-    let stays = |(_, (face, number)): &(&Stretch, &(FaceId, i32))| winding.is_highest(*face, *number);
-    let kept: Vec<&Stretch> = stretches.iter().zip(&numbers).filter(stays).map(|s| s.0).collect();
+    let (stays, borders) = Sets::new(mesh, &curves, cuts).stays(ways, &stretches, other.map(|other| other.set))?;
+    let kept: Vec<&Stretch> = stretches.iter().zip(&borders).filter(|(_, border)| **border).map(|s| s.0).collect();
     let mut used = vec![false; cuts.len()];
     kept.iter().for_each(|s| used[s.span.cut as usize] = true);
     let mut built = Builder {
@@ -234,18 +243,24 @@ pub fn arrange(
         track: Track::default(),
     };
     let chains = chains(&curves, &kept, meetings.len())?;
-    let contours = chains.iter().map(|chain| built.contour(chain)).collect::<Result<_, _>>()?;
+    let contours: Vec<Contour> = chains.iter().map(|chain| built.contour(chain)).collect::<Result<_, _>>()?;
+    let of_span = |span: &Span| other.and_then(|other| other.parameters(cuts, span));
+    let given = contours.iter().map(|contour| contour.spans.iter().map(of_span).collect()).collect();
     let (track, junctions) = (built.track, built.junctions);
     let unused = (0..cuts.len()).filter(|&c| !used[c]).collect();
-    Ok(Arrangement { contours, track, junctions, unused, winding })
+    Ok(Arrangement { contours, track, junctions, unused, given, stays })
 }
 
-/// Refuses corners at which a curve turns back on itself.
+/// Refuses places at which a curve turns back on itself: its corners, and wherever its points do.
 fn check_cusps(track: &Track, cuts: &[Cut], options: &JunctionOptions) -> Result<(), RemeshError> {
-    for p in track.points.iter().filter(|p| p.corner && p.previous != NONE && p.next != NONE) {
+    for p in track.points.iter().filter(|p| p.previous != NONE && p.next != NONE) {
         let curve = &*cuts[p.curve as usize].curve;
-        let (before, after) = (curve.derivative_before(p.u), curve.derivative(p.u));
-        let angle = (-before).angle_between(after).to_degrees();
+        let (before, after) = if p.corner {
+            (-curve.derivative_before(p.u), curve.derivative(p.u))
+        } else {
+            (aside(track, p, |p| p.previous), aside(track, p, |p| p.next))
+        };
+        let angle = before.angle_between(after).to_degrees();
         if angle < options.angle {
             let (curve, u, at) = (p.curve as usize, p.u, p.position);
             return Err(RemeshError::Cusp { curve, u, at, angle, limit: options.angle });
@@ -254,17 +269,24 @@ fn check_cusps(track: &Track, cuts: &[Cut], options: &JunctionOptions) -> Result
     Ok(())
 }
 
-/// The first curve that does not separate the surface by itself, or of several the first.
-fn not_separating(mesh: &Connectivity, track: &Track, face: FaceId) -> RemeshError {
-    let alone = |c: &usize| {
-        let mut one = track.clone();
-        one.points.iter_mut().filter(|p| p.cut as usize != *c).for_each(|p| p.legs.clear());
-        Winding::new(mesh, Ways::new(&one, mesh.face_count())).is_err()
-    };
-    let curve = (0..track.tracks.len()).find(alone).unwrap_or(0);
-    let own = track.points.iter().filter(|p| p.cut as usize == curve);
-    let near = own.clone().find(|p| p.legs.iter().any(|l| l.face == face)).or(own.clone().next());
-    RemeshError::DoesNotSeparate { curve, at: near.map_or(DVec3::NAN, |p| p.position) }
+/// Points nearer than this part of their coordinates have no direction from one to the other.
+const NO_WAY: f64 = 1e3 * f64::EPSILON;
+
+/// The way from a point of a track to the first one on one side that is not in the same place.
+fn aside(track: &Track, from: &TrackPoint, next: impl Fn(&TrackPoint) -> u32) -> DVec3 {
+    let least = NO_WAY * from.position.abs().max_element();
+    let mut at = next(from);
+    for _ in 0..track.tracks[from.cut as usize].count {
+        if at == NONE {
+            break;
+        }
+        let way = track.points[at as usize].position - from.position;
+        if way.length() > least {
+            return way;
+        }
+        at = next(&track.points[at as usize]);
+    }
+    DVec3::ZERO
 }
 
 /// A place where a curve is cut, or ends.
@@ -325,8 +347,13 @@ fn ends(track: &Track, cut: usize) -> [Stop; 2] {
     })
 }
 
-/// The number on the left of a stretch, looked up where its way is longest within a face.
-fn number(track: &Track, winding: &Winding, stretch: &Stretch) -> (FaceId, i32) {
+/// The number on the left of a stretch whose curve is one of `winding`'s.
+pub(super) fn number(track: &Track, winding: &Winding, stretch: &Stretch) -> (FaceId, i32) {
+    middle(track, stretch).map_or((FaceId::new(0), i32::MIN), |(way, f)| (way.leg.face, winding.left_of(&way, f)))
+}
+
+/// The middle of a stretch where its way is longest within a face: the way, and how far along it.
+pub(super) fn middle(track: &Track, stretch: &Stretch) -> Option<(Way, f64)> {
     let mut best: Option<(f64, Way, f64)> = None;
     for (segment, part) in segments(track, stretch.from, stretch.to) {
         for leg in &track.points[segment as usize].legs {
@@ -337,7 +364,7 @@ fn number(track: &Track, winding: &Winding, stretch: &Stretch) -> (FaceId, i32) 
             }
         }
     }
-    best.map_or((FaceId::new(0), i32::MIN), |(_, way, f)| (way.leg.face, winding.left_of(&way, f)))
+    best.map(|(_, way, f)| (way, f))
 }
 
 /// Where in a part of [0, 1] a number lies, in [0, 1].

@@ -1,5 +1,6 @@
 //! Where pre-images cross: themselves, which is refused, or each other.
 
+use glam::DVec2;
 use selvedge_components::subdivision::remesh::PreImageError;
 
 use super::path::Leg;
@@ -29,7 +30,9 @@ pub fn find(track: &Track, ways: &Ways) -> Result<Vec<Crossing>, PreImageError> 
             for &b in order[k + 1..].iter().take_while(|&&b| span(&ways[b].leg).0 <= end) {
                 // The older curve first, and of one curve the earlier place.
                 let (a, b) = (&ways[a.min(b)], &ways[a.max(b)]);
-                if !are_neighbours(track, a.segment, b.segment) && cross(&a.leg, &b.leg) {
+                let others = track.points[a.segment as usize].cut != track.points[b.segment as usize].cut;
+                let meet = cross(&a.leg, &b.leg) || (others && run_together(&a.leg, &b.leg));
+                if !are_neighbours(track, a.segment, b.segment) && meet {
                     crossings.push(crossing(track, a, b)?);
                 }
             }
@@ -52,6 +55,26 @@ fn are_neighbours(track: &Track, a: u32, b: u32) -> bool {
 fn cross(a: &Leg, b: &Leg) -> bool {
     is_left(b.from, b.to, a.from) != is_left(b.from, b.to, a.to)
         && is_left(a.from, a.to, b.from) != is_left(a.from, a.to, b.to)
+}
+
+/// Legs that are as near as this, in parts of the face, are one line: above what keeps the ways of
+/// different curves aside of edges (a thousand times `2^-33`), below all that cages tell apart.
+const ONE_LINE: f64 = 1.0 / (1_u64 << 22) as f64;
+
+/// Over at least this part of the face: then the angle between them is below a thousandth of a degree.
+const FOR_A_WHILE: f64 = 1.0 / (1_u64 << 8) as f64;
+
+/// Do two legs run along each other for a while? Then two of their four ends lie on the other leg.
+fn run_together(a: &Leg, b: &Leg) -> bool {
+    let on = |x: DVec2, leg: &Leg| {
+        let way = leg.to - leg.from;
+        let along = ((x - leg.from).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+        x.distance(leg.from + way * along) < ONE_LINE
+    };
+    let ends = [(a.from, b), (a.to, b), (b.from, a), (b.to, a)];
+    let mut shared = ends.into_iter().filter(|(x, leg)| on(*x, leg)).map(|(x, _)| x);
+    let Some(first) = shared.next() else { return false };
+    shared.any(|x| x.distance(first) > FOR_A_WHILE)
 }
 
 fn crossing(track: &Track, a: &Way, b: &Way) -> Result<Crossing, PreImageError> {

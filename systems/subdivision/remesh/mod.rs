@@ -23,11 +23,14 @@ pub mod closure;
 pub mod contour;
 mod crossing;
 pub mod field;
+pub mod hints;
 pub mod junction;
 pub mod leaves;
+pub mod other;
 pub mod path;
 pub mod preimage;
 pub mod remove;
+mod sets;
 mod sides;
 pub mod track;
 pub mod winding;
@@ -48,8 +51,10 @@ use selvedge_components::trim::Omega;
 pub use adapt::AdaptOptions;
 pub use assemble::{FaceOrigin, Remeshed, SideOrigin, VertexOrigin};
 pub use error::{PreImageError, RemeshError};
+pub use hints::Hints;
 pub use junction::JunctionOptions;
-pub use preimage::{Extent, PathPoint, PreImage, TraceOptions, trace, trace_parts};
+pub use other::OtherSide;
+pub use preimage::{Extent, PathPoint, PreImage, TraceOptions, trace, trace_near, trace_parts};
 pub use remove::Fate;
 pub use work::{RelaxQuantum, RemeshQuantum, RemeshWork};
 
@@ -67,6 +72,22 @@ pub struct Cut {
     pub curve: Arc<dyn Curve>,
     /// Which way it is walked.
     pub heading: Heading,
+    /// The set of curves that it belongs to, such as those of one trim. The curves of one set are
+    /// one border together, with islands in holes; of several sets the common part stays.
+    pub set: u32,
+}
+
+impl Cut {
+    /// A curve of the first set.
+    pub const fn new(curve: Arc<dyn Curve>, heading: Heading) -> Self {
+        Self { curve, heading, set: 0 }
+    }
+
+    /// The same curve in another set.
+    #[must_use]
+    pub fn of_set(&self, set: u32) -> Self {
+        Self { set, ..self.clone() }
+    }
 }
 
 /// How a cage is remeshed.
@@ -118,7 +139,26 @@ pub fn remesh(
     preimages: &[PreImage],
     options: &RemeshOptions,
 ) -> Result<Remeshed, RemeshError> {
-    let mut work = RemeshWork::new(surface.into(), cuts.to_vec(), preimages.to_vec(), *options)?;
+    run(RemeshWork::new(surface.into(), cuts.to_vec(), preimages.to_vec(), *options)?)
+}
+
+/// What the curves of one set remove of that which all others leave, ending on the very samples of
+/// the curves on which what stays ends: see [`OtherSide`]. All else is as in [`remesh`].
+///
+/// # Errors
+/// As [`remesh`].
+pub fn remesh_other(
+    surface: impl Into<Arc<LoopSurface>>,
+    cuts: &[Cut],
+    preimages: &[PreImage],
+    options: &RemeshOptions,
+    other: OtherSide,
+) -> Result<Remeshed, RemeshError> {
+    let turned = other.turned(cuts);
+    run(RemeshWork::new(surface.into(), turned, preimages.to_vec(), *options)?.on_other_side(other))
+}
+
+fn run(mut work: RemeshWork) -> Result<Remeshed, RemeshError> {
     loop {
         while work.advance()? == RemeshQuantum::More {}
         loop {

@@ -6,11 +6,12 @@
 //! itself. [Litke et al. 2001, Section 3.1]
 
 use glam::DVec3;
-use selvedge_components::curve::Curve;
+use selvedge_components::curve::{Curve, wrap};
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::{Connectivity, HalfedgeId};
 
 use super::error::PreImageError;
+use super::hints::Hints;
 use super::path::{self, Join};
 use selvedge_components::target::Target;
 
@@ -85,32 +86,14 @@ pub fn trace(
     curve: &dyn Curve,
     options: TraceOptions,
 ) -> Result<PreImage, PreImageError> {
-    let knots = knots(curve, FIRST);
-    let tracer = Tracer { mesh, target, curve, options };
-    let mut points = vec![tracer.at(0.0, None)?];
-    for pair in knots.windows(2) {
-        let last = points[points.len() - 1];
-        let end = tracer.at(pair[1], Some(last.at))?;
-        tracer.between(last, end, &mut points)?;
-        points.push(end);
-    }
-    let length: f64 = points.windows(2).map(|p| p[0].position.distance(p[1].position)).sum();
-    // Shorter than rounding of its own coordinates: nothing can be told apart along it.
-    let size = points[0].position.abs().max_element().max(options.step);
-    if length <= 1e3 * f64::EPSILON * size {
-        return Err(PreImageError::NoLength { at: points[0].position, length });
-    }
-    if curve.closed() {
-        points.pop();
-    }
-    Ok(PreImage { points, extent: Extent::Round })
+    Tracer { mesh, target, curve, options, hints: &Hints::default() }.round()
 }
 
 /// Finds the pre-images of the parts of `curve` that lie on the surface, where it may leave across
 /// borders: one that runs round if all of it does.
 ///
 /// # Errors
-/// As [`trace`]; a curve that leaves and comes back within a sixty-fourth of its parameter is not
+/// As [`trace`]; [`PreImageError::EndsInside`]; a curve that leaves and comes back within a sixty-fourth of its parameter is not
 /// followed, but refused as [`PreImageError::LeavesSurface`].
 pub fn trace_parts(
     mesh: &Connectivity,
@@ -118,11 +101,31 @@ pub fn trace_parts(
     curve: &dyn Curve,
     options: TraceOptions,
 ) -> Result<Vec<PreImage>, PreImageError> {
-    let tracer = Tracer { mesh, target, curve, options };
-    let knots = knots(curve, LOOKS);
-    let seen: Vec<Option<PathPoint>> = knots.iter().map(|&u| tracer.inside(u)).collect::<Result<_, _>>()?;
+    trace_near(mesh, target, curve, options, &Hints::default())
+}
+
+/// As [`trace_parts`], for a curve that is said to run at some places. The target should stay on the
+/// sheet that a place lies on; the curve is then followed over it from place to place.
+///
+/// # Errors
+/// As [`trace_parts`]; [`PreImageError::Ambiguous`] where places lead to others that do not meet.
+pub fn trace_near(
+    mesh: &Connectivity,
+    target: &dyn Target,
+    curve: &dyn Curve,
+    options: TraceOptions,
+    hints: &Hints,
+) -> Result<Vec<PreImage>, PreImageError> {
+    let tracer = Tracer { mesh, target, curve, options, hints };
+    let knots = tracer.knots(LOOKS);
+    let seen = tracer.seen(&knots)?;
     if seen.iter().all(Option::is_some) && curve.closed() {
-        return Ok(vec![trace(mesh, target, curve, options)?]);
+        return Ok(vec![tracer.round()?]);
+    }
+    let ends = [seen[0], seen[seen.len() - 1]];
+    if let (false, Some(end)) = (curve.closed(), ends.into_iter().flatten().next()) {
+        let gap = curve.position(0.0).distance(curve.position(1.0));
+        return Err(PreImageError::EndsInside { u: end.u, at: end.position, gap });
     }
     let mut parts = Vec::new();
     let count = knots.len();
@@ -136,13 +139,13 @@ pub fn trace_parts(
             if i >= count {
                 break;
             }
-            let start = tracer.junction(now, before)?;
+            let start = tracer.junction(now, before, is.map(|point| point.at))?;
             open = Some(PreImage { points: vec![start], extent: Extent::Across });
         }
         let Some(part) = &mut open else { continue };
         let end = match is {
             Some(point) => PathPoint { u: now, ..point },
-            None => tracer.junction(before, now)?,
+            None => tracer.junction(before, now, was.map(|point| point.at))?,
         };
         let last = part.points[part.points.len() - 1];
         if end.u > last.u {
@@ -181,12 +184,86 @@ struct Tracer<'a> {
     target: &'a dyn Target,
     curve: &'a dyn Curve,
     options: TraceOptions,
+    hints: &'a Hints,
 }
 
 impl Tracer<'_> {
+    /// The pre-image of a curve that lies on the surface as a whole.
+    fn round(&self) -> Result<PreImage, PreImageError> {
+        let curve = self.curve;
+        let knots = self.knots(FIRST);
+        let mut points = vec![self.at(0.0, self.begin(0.0)?)?];
+        for pair in knots.windows(2) {
+            let last = points[points.len() - 1];
+            let end = self.at(pair[1], self.hints.at(pair[1]).or(Some(last.at)))?;
+            self.between(last, end, &mut points)?;
+            points.push(end);
+        }
+        let length: f64 = points.windows(2).map(|p| p[0].position.distance(p[1].position)).sum();
+        // Shorter than rounding of its own coordinates: nothing can be told apart along it.
+        let size = points[0].position.abs().max_element().max(self.options.step);
+        if length <= 1e3 * f64::EPSILON * size {
+            return Err(PreImageError::NoLength { at: points[0].position, length });
+        }
+        if curve.closed() {
+            let end = points.pop().map_or(points[0], |end| end);
+            // Followed from place to place, it might end on another sheet than it began on.
+            if path::connect(self.mesh, end.at, points[0].at, 0.0).is_none() {
+                let places = [end.at, points[0].at];
+                return Err(PreImageError::Ambiguous { u: end.u, at: end.position, places });
+            }
+        }
+        Ok(PreImage { points, extent: Extent::Round })
+    }
+
+    /// Where to begin to look for the place at `u`, if anything is said of it: the curve is followed
+    /// there from the nearest place that is given.
+    fn begin(&self, u: f64) -> Result<Option<SurfacePoint>, PreImageError> {
+        let Some(given) = self.hints.near(u, self.curve) else { return Ok(None) };
+        let way = u - given.u;
+        let looks = f64::from(self.hints.looks(self.curve, LOOKS, self.options.step));
+        let steps = (way.abs() * looks).ceil().max(1.0) as u32;
+        let mut place = given.at;
+        for k in 0..=steps {
+            let u = given.u + way * (f64::from(k) / f64::from(steps));
+            let position = self.curve.position(if self.curve.closed() { wrap(u) } else { u });
+            if !position.is_finite() {
+                return Err(PreImageError::NotFinite { u, at: position });
+            }
+            let foot =
+                self.target.closest(position, Some(place)).map_err(|source| PreImageError::Target { u, source })?;
+            place = foot.at.ok_or(PreImageError::NoPlace { u })?;
+        }
+        Ok(Some(place))
+    }
+
+    /// Where the curve is looked at to begin with, ascending.
+    fn knots(&self, least: u32) -> Vec<f64> {
+        let mut knots = knots(self.curve, self.hints.looks(self.curve, least, self.options.step));
+        knots.extend(self.hints.parameters());
+        knots.sort_unstable_by(f64::total_cmp);
+        knots.dedup();
+        knots
+    }
+
+    /// The points of the pre-image at `knots`; `None` beyond a border. Where places are given, each is
+    /// sought from the one before, or from its own.
+    fn seen(&self, knots: &[f64]) -> Result<Vec<Option<PathPoint>>, PreImageError> {
+        let mut last = self.begin(knots[0])?;
+        let step = |&u: &f64| {
+            let hint = self.hints.at(u).or(last);
+            let point = self.inside(u, hint)?;
+            if !self.hints.is_empty() {
+                last = point.map_or_else(|| self.begin(u), |point| Ok(Some(point.at)))?;
+            }
+            Ok(point)
+        };
+        knots.iter().map(step).collect()
+    }
+
     /// The point of the pre-image at `u`; `None` beyond a border.
-    fn inside(&self, u: f64) -> Result<Option<PathPoint>, PreImageError> {
-        match self.at(u, None) {
+    fn inside(&self, u: f64, hint: Option<SurfacePoint>) -> Result<Option<PathPoint>, PreImageError> {
+        match self.at(u, hint) {
             Ok(point) => Ok(Some(point).filter(|p| !self.on_border(p.at))),
             Err(PreImageError::LeavesSurface { .. }) => Ok(None),
             Err(why) => Err(why),
@@ -195,19 +272,24 @@ impl Tracer<'_> {
 
     /// The point of the border at which the curve leaves the surface, between a parameter inside and
     /// one outside: the last place whose closest point is still on the border.
-    fn junction(&self, mut inside: f64, mut outside: f64) -> Result<PathPoint, PreImageError> {
+    fn junction(
+        &self,
+        mut inside: f64,
+        mut outside: f64,
+        near: Option<SurfacePoint>,
+    ) -> Result<PathPoint, PreImageError> {
+        let near = near.filter(|_| !self.hints.is_empty());
         loop {
             let middle = 0.5 * (inside + outside);
             if middle == inside || middle == outside {
                 break;
             }
-            match self.inside(middle)? {
+            match self.inside(middle, near)? {
                 Some(_) => inside = middle,
                 None => outside = middle,
             }
         }
-        let point = self.at(outside, None)?;
-        Ok(point)
+        self.at(outside, near)
     }
 
     fn at(&self, u: f64, hint: Option<SurfacePoint>) -> Result<PathPoint, PreImageError> {

@@ -320,7 +320,10 @@ impl Cage<'_> {
             let walk = self.walk(remains, h, &mut seen);
             let closed = !self.mesh.is_border(walk[0]);
             let nears: Vec<Near> = walk.iter().filter_map(|v| remains.near[v.index()]).collect();
-            let Some(&first) = nears.first() else { return Err(Trouble::Error(RemeshError::NothingLeft)) };
+            let Some(&first) = nears.first() else {
+                let curve = self.track.points.last().map_or(0, |p| p.curve as usize);
+                return Err(Trouble::Error(RemeshError::NothingLeft { curve }));
+            };
             let cut = self.track.points[first.segment as usize].cut;
             let of = |n: &Near| self.track.points[n.segment as usize].cut;
             let all = || walk.iter().zip(&nears).map(|(v, &n)| self.place(v.0, n)).collect();

@@ -228,6 +228,10 @@ pub(super) fn strip_parameters(work: &Work<'_>, s: u32) -> Result<StripParameter
     for (i, span) in contour.spans.iter().enumerate() {
         let cut = &work.cuts[span.cut as usize];
         let mut members = members(&out.spots, strip.closed, contour, i as u32);
+        if let Some(list) = &work.plan.given[strip.cut as usize][i] {
+            take_over(&mut out, &members, list, cut.heading);
+            continue;
+        }
         let mut u: Vec<f64> = members.iter().map(|&k| out.spots[k].u).collect();
         if let (Some(last), Some(_)) = (u.last_mut(), span.junctions[1]) {
             *last = span.u[1];
@@ -250,6 +254,29 @@ pub(super) fn strip_parameters(work: &Work<'_>, s: u32) -> Result<StripParameter
         out.spans.push(parameters(&cut.curve, u, closed, &corners, span.cut as usize)?);
     }
     Ok(out)
+}
+
+/// The parameters of a stretch are given: its knots, in their order, are those.
+fn take_over(out: &mut StripParameters, members: &[usize], list: &Arc<CurveParameters>, heading: Heading) {
+    let (base, span) = (list.base(), out.spans.len());
+    let n = base.len();
+    let apart = |i: &usize| {
+        let way = base[*i] - out.spots[members[0]].u;
+        (way - way.round()).abs()
+    };
+    let first = match (list.extent(), heading) {
+        (Extent::Closed, _) => (0..n).min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(0),
+        (Extent::Open, Heading::Along) => 0,
+        (Extent::Open, Heading::Against) => n - 1,
+    };
+    for (k, &knot) in members.iter().enumerate().filter(|(k, _)| *k < n) {
+        let index = if heading == Heading::Along { first + k } else { first + n - k } % n;
+        // The knot that ends the stretch begins the next one.
+        if out.spots[knot].span as usize == span {
+            (out.spots[knot].u, out.indices[knot]) = (base[index], index as u64);
+        }
+    }
+    out.spans.push(Arc::clone(list));
 }
 
 /// The knots of a stretch in their order, with the one that ends it.

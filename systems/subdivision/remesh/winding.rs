@@ -1,9 +1,13 @@
 //! On the left of how many curves a place lies.
 //!
 //! The number rises by one where a curve is crossed from its right to its left. If it is the same
-//! whichever way one goes, the curves separate what is left from what is right, and what stays is
-//! where the number is highest: on the left of all curves, but for curves that lie within what others
-//! take away. On a surface of several parts the highest number of each part counts.
+//! whichever way one goes, the curves separate what is left from what is right, and what stays of a
+//! set of curves is where the number is highest: on the left of all curves, but for curves that lie
+//! within what others take away. On a surface of several parts the highest number of each part
+//! counts.
+//!
+//! Of several sets of curves the common part of what each leaves stays: where the number of all
+//! curves together is the sum of the highest numbers of the sets. It is nowhere greater.
 //!
 //! The number of a place is known from that of a fixed place in its face, by the ways over the face
 //! that a straight line to it crosses; and those fixed places from each other, across an edge.
@@ -37,8 +41,13 @@ pub struct Ways {
 impl Ways {
     /// The legs of `track` in each of `faces` faces, by segment. Those without length are left out.
     pub fn new(track: &Track, faces: usize) -> Self {
+        Self::of_curves(track, faces, |_| true)
+    }
+
+    /// The legs of those curves of `track` that are `wanted`.
+    pub fn of_curves(track: &Track, faces: usize, wanted: impl Fn(u32) -> bool) -> Self {
         let mut ways = Vec::new();
-        for (segment, point) in track.points.iter().enumerate() {
+        for (segment, point) in track.points.iter().enumerate().filter(|(_, point)| wanted(point.curve)) {
             let legs = point.legs.iter().filter(|l| l.from != l.to);
             ways.extend(legs.map(|&leg| Way { leg, segment: segment as u32 }));
         }
@@ -178,7 +187,7 @@ impl Winding {
     }
 
     /// Takes note of a place of `face` with this number: the left of every way is to be told before
-    /// [`Winding::stays`] is asked.
+    /// [`Winding::is_highest`] is asked.
     pub fn note(&mut self, face: FaceId, number: i32) {
         let highest = &mut self.highest[self.parts[face.index()] as usize];
         *highest = (*highest).max(number);
@@ -189,9 +198,23 @@ impl Winding {
         number == self.highest[self.parts[face.index()] as usize]
     }
 
-    /// Does a place that lies on no way stay?
-    pub fn stays(&self, at: SurfacePoint) -> bool {
-        self.is_highest(at.face, self.at(at))
+    /// The highest number of each part of the surface.
+    pub fn highest(&self) -> &[i32] {
+        &self.highest
+    }
+
+    /// The lowest number of the fixed places of each part of the surface.
+    pub fn lowest(&self) -> Vec<i32> {
+        let mut lowest = vec![i32::MAX; self.highest.len()];
+        for (&part, &number) in self.parts.iter().zip(&self.numbers) {
+            lowest[part as usize] = lowest[part as usize].min(number);
+        }
+        lowest
+    }
+
+    /// The part of the surface that a face belongs to.
+    pub fn part(&self, face: FaceId) -> u32 {
+        self.parts[face.index()]
     }
 }
 
@@ -256,7 +279,7 @@ mod tests {
             let near = discs.iter().any(|&(c, r)| ((p - c).length() - r).abs() < 1e-3);
             let inside = discs.iter().filter(|&&(c, r)| (p - c).length() < r).count() as i32;
             assert!(near || winding.at(at(p)) == outside - inside, "{p}");
-            assert!(near || winding.stays(at(p)) == (inside == 0));
+            assert!(near || winding.is_highest(FaceId(0), winding.at(at(p))) == (inside == 0));
         }
     }
 }

@@ -15,6 +15,7 @@ use super::closure::{self, Adapted};
 use super::contour::{self, Arrangement, Contour};
 use super::error::RemeshError;
 use super::leaves::Leaves;
+use super::other::{self, OtherSide};
 use super::preimage::{Extent, PreImage};
 use super::remove::{Cage, Place, Remains, Trouble};
 use super::track::Track;
@@ -29,6 +30,8 @@ pub struct RemeshWork {
     cuts: Vec<Cut>,
     preimages: Vec<PreImage>,
     options: RemeshOptions,
+    /// Whose other side it is, if it is one.
+    other: Option<OtherSide>,
     /// How the curves meet, once that is known.
     plan: Option<Box<Arrangement>>,
     /// The least level that tries have asked for, by segment of the track.
@@ -101,7 +104,13 @@ impl RemeshWork {
         check(&cuts, &preimages)?;
         let corners = CornerTable::new(&surface);
         let (plan, least, state) = (None, Vec::new(), State::Coarse);
-        Ok(Self { surface, corners, cuts, preimages, options, plan, least, tried: 0, state })
+        Ok(Self { surface, corners, cuts, preimages, options, other: None, plan, least, tried: 0, state })
+    }
+
+    /// Makes the other side of a set of curves, which are turned already.
+    #[must_use]
+    pub fn on_other_side(self, other: OtherSide) -> Self {
+        Self { other: Some(other), ..self }
     }
 
     /// Takes the next step towards strips along the curves.
@@ -112,7 +121,7 @@ impl RemeshWork {
     pub fn advance(&mut self) -> Result<RemeshQuantum, RemeshError> {
         let Some(plan) = &self.plan else {
             let junctions = &self.options.junctions;
-            let plan = contour::arrange(&self.surface, &self.cuts, &self.preimages, junctions)?;
+            let plan = contour::arrange(&self.surface, &self.cuts, &self.preimages, junctions, self.other.as_ref())?;
             self.least = vec![0; plan.track.points.len()];
             self.plan = Some(Box::new(plan));
             return Ok(RemeshQuantum::More);
@@ -126,7 +135,7 @@ impl RemeshWork {
             }
             State::Adapted(leaves) => {
                 let finest = leaves.finest();
-                match lay(&self.surface, &self.corners, plan, *leaves, &self.options) {
+                match lay(&self.surface, &self.corners, &self.cuts, plan, *leaves, &self.options) {
                     Ok(laid) => self.state = State::Laid(Box::new(laid)),
                     Err(trouble) => {
                         self.make_finer(trouble, finest)?;
@@ -251,6 +260,7 @@ fn ask_for_finer(track: &Track, place: &Place, least: &mut [u32]) {
 fn lay(
     surface: &LoopSurface,
     corners: &CornerTable,
+    cuts: &[Cut],
     plan: &Arrangement,
     leaves: Leaves,
     options: &RemeshOptions,
@@ -268,12 +278,17 @@ fn lay(
         track,
         margin: options.margin,
     };
-    let stays = |f: usize| plan.winding.stays(adapted.sources[f].middle());
+    let stays = |f: usize| plan.stays.stays(adapted.sources[f].middle());
     let remains = cage.cut(&crossed(&adapted, track, &leaves), &stays)?;
     let mut strips = Vec::with_capacity(plan.contours.len());
     for (cut, rim) in remains.loops.iter().enumerate() {
         let strip = attach::attach(track, cut as u32, rim, |v| (limit[v as usize], cage.normal(v)));
-        strips.push(strip.map_err(|near| {
+        let contour = &plan.contours[cut];
+        let seated = |mut strip| {
+            let seated = other::seat(&mut strip, contour, &plan.given[cut], cuts, |v| limit[v as usize]);
+            seated.map(|()| strip).ok_or_else(|| track.place(cut as u32, 0.0))
+        };
+        strips.push(strip.and_then(seated).map_err(|near| {
             let away = |v: &&u32| limit[**v as usize].distance_squared(track.position(near));
             let nearest = rim.vertices.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
             let place = cage.place(nearest.copied().unwrap_or(0), near);
@@ -291,7 +306,7 @@ fn lay(
 fn string(strip: &Strip, limit: &[DVec3], options: &RemeshOptions) -> Strung {
     let at = |v: u32| limit[v as usize];
     let slider = |(knot, width): (&attach::Knot, f64)| {
-        let smooth = knot.kind == KnotKind::Smooth;
+        let smooth = knot.kind == KnotKind::Smooth && !knot.given;
         Slider { t: knot.t, base: smooth.then(|| strip.base(knot).map(at)), width }
     };
     Strung::new(strip.knots.iter().zip(strip.widths(at)).map(slider).collect(), options.relax)

@@ -24,7 +24,13 @@ pub struct Ground {
     pub edge: f64,
     /// The diagonal of the box around the control points, in model units.
     pub size: f64,
+    /// How far evaluated points may lie off by rounding alone, in model units.
+    pub rounding: f64,
 }
+
+/// Limit points are sums of some twenty products of coordinates; fits that go on as deep as they can
+/// end at some ten units of rounding.
+const ROUNDINGS: f64 = 16.0;
 
 impl Ground {
     /// Prepares `surface`, which was gathered at `revision`.
@@ -36,7 +42,9 @@ impl Ground {
         let limit = LimitSurface::new(Arc::clone(&surface)).map_err(|why| unevaluated(&why))?;
         let index = SurfaceIndex::new(Arc::new(limit)).map_err(|why| unevaluated(&why))?;
         let (edge, size) = (mean_edge(&surface), diagonal(&surface.points));
-        Ok(Self { surface, revision, index: Arc::new(index), edge, size })
+        let greatest = surface.points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        let rounding = ROUNDINGS * f64::EPSILON * greatest;
+        Ok(Self { surface, revision, index: Arc::new(index), edge, size, rounding })
     }
 
     /// The limit surface.

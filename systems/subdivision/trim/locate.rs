@@ -12,16 +12,17 @@ use std::sync::Arc;
 use bevy_ecs::prelude::Component;
 use glam::DVec3;
 use selvedge_components::curve::Curve;
+use selvedge_components::evaluate::Evaluate;
 use selvedge_components::subdivision::FaceCode;
-use selvedge_components::subdivision::remesh::RemeshError;
+use selvedge_components::subdivision::remesh::{PreImageError, RemeshError};
 use selvedge_components::tolerance::Tolerance;
-use selvedge_components::trim::{TrimFault, TrimOptions, TrimQuantum, TrimStage};
+use selvedge_components::trim::{PreImagePoint, PreImages, TrimFault, TrimOptions, TrimQuantum, TrimStage};
 
 use super::ground::{Ground, diagonal};
 use super::zone::reserve;
 use crate::closest::Search;
 use crate::subdivision::region;
-use crate::subdivision::remesh::{Cut, PreImage, TraceOptions, trace_parts};
+use crate::subdivision::remesh::{Cut, Hints, PreImage, TraceOptions, trace_near};
 
 /// Where no tolerance says how far a curve may lie off the surface: this part of the source's size.
 const OFF: f64 = 0.01;
@@ -48,6 +49,8 @@ pub struct Located {
 pub struct LocateWork {
     ground: Arc<Ground>,
     found: Arc<Located>,
+    /// By cut, where it is said to run.
+    given: PreImages,
     next: usize,
     rings: u32,
     reserved: Vec<FaceCode>,
@@ -63,7 +66,7 @@ impl LocateWork {
     /// Begins to locate `cuts` on `ground`.
     ///
     /// # Errors
-    /// [`TrimFault::BadNumber`]; [`TrimFault::Remesh`] where there is no curve.
+    /// [`TrimFault::BadNumber`], [`TrimFault::BelowRounding`]; [`TrimFault::Remesh`] where there is no curve.
     pub fn new(
         ground: Arc<Ground>,
         cuts: Vec<Cut>,
@@ -73,9 +76,14 @@ impl LocateWork {
         let positive = |what, value: f64| {
             if value.is_finite() && value > 0.0 { Ok(()) } else { Err(TrimFault::BadNumber { what, value }) }
         };
+        let limit = ground.rounding;
+        let above_rounding = |what, value: f64| {
+            positive(what, value)?;
+            if value >= limit { Ok(()) } else { Err(TrimFault::BelowRounding { what, value, limit }) }
+        };
         if let Some(tolerance) = tolerance {
-            positive("the tolerance of the fit", tolerance.fit)?;
-            positive("the tolerance of the curve", tolerance.curve)?;
+            above_rounding("the tolerance of the fit", tolerance.fit)?;
+            above_rounding("the tolerance of the curve", tolerance.curve)?;
         }
         if let Some(reach) = options.reach {
             positive("the reach", reach)?;
@@ -86,10 +94,17 @@ impl LocateWork {
         Ok(Self {
             ground,
             found: Arc::new(Located { cuts, parts: Vec::new(), options, tolerance }),
+            given: PreImages::default(),
             next: 0,
             rings: RINGS,
             reserved: Vec::new(),
         })
+    }
+
+    /// Looks for the curves where they are said to run.
+    #[must_use]
+    pub fn with_given(self, given: &PreImages) -> Self {
+        Self { given: given.clone(), ..self }
     }
 
     /// The source that the curves run on.
@@ -152,9 +167,13 @@ impl LocateWork {
     fn locate(&self, index: usize, curve: &dyn Curve) -> Result<Vec<PreImage>, TrimFault> {
         let limit = self.found.tolerance.map_or(OFF * self.ground.size, |t| t.curve);
         let options = TraceOptions { curve: limit, step: self.ground.edge / STEPS_PER_EDGE };
-        let target = self.ground.target(Search::Everywhere);
-        let parts = trace_parts(&self.ground.surface.mesh, &target, curve, options)
-            .map_err(|source| RemeshError::PreImage { curve: index, source })?;
+        let given = self.given.0.get(index).map_or(&[][..], |given| given);
+        // Near another sheet it is the one that a given place lies on.
+        let search = if given.is_empty() { Search::Everywhere } else { Search::AroundHint };
+        let target = self.ground.target(search);
+        let mesh = &self.ground.surface.mesh;
+        let parts = self.hints(given, curve).and_then(|hints| trace_near(mesh, &target, curve, options, &hints));
+        let parts = parts.map_err(|source| RemeshError::PreImage { curve: index, source })?;
         if parts.is_empty() {
             return Err(self.miss(index, curve, limit));
         }
@@ -166,6 +185,21 @@ impl LocateWork {
             }
         }
         Ok(parts)
+    }
+
+    /// The given places, each of which is near the curve.
+    fn hints(&self, given: &[PreImagePoint], curve: &dyn Curve) -> Result<Hints, PreImageError> {
+        let hints = Hints::new(&self.ground.surface.mesh, given)?;
+        // It says on which sheet, and near which faces: beyond an edge it would say neither.
+        let limit = self.ground.edge;
+        for (index, &PreImagePoint { u, at: place }) in given.iter().enumerate() {
+            let at = curve.position(u);
+            let distance = self.ground.limit().position(place).distance(at);
+            if distance > limit || distance.is_nan() {
+                return Err(PreImageError::GivenOff { index, u, at, distance, limit });
+            }
+        }
+        Ok(hints)
     }
 
     /// The curve does not meet the surface: how far off it is where it is nearest.

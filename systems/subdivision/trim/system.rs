@@ -84,8 +84,9 @@ pub fn audit_trims(
 fn set_step(job: &mut TrimJob, work: &TrimWork, stage: TrimStage, step: Result<Result<TrimQuantum, Blamed>, String>) {
     job.quanta += 1;
     let step = step.unwrap_or_else(|message| Err(work.newest(TrimFault::Panicked { stage, message })));
-    job.step = Some(step.map_err(|Blamed { trim, why }| {
+    job.step = Some(step.map_err(|Blamed { trim, with, why }| {
         job.blamed = job.together.get(trim).copied();
+        job.with = with.and_then(|with| job.together.get(with).copied());
         why
     }));
 }

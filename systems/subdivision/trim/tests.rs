@@ -16,7 +16,7 @@ use crate::subdivision::remesh::tests::support::plate8;
 fn bore(ground: &Ground, centre: DVec2, radius: f64) -> Cut {
     let circle = Circle::new(centre.extend(0.1), DVec3::Z, radius).expect("a circle");
     let curve = ProjectedCurve::new(Arc::new(circle), DVec3::NEG_Z, Arc::clone(&ground.index), Pick::First);
-    Cut { curve: Arc::new(curve.expect("a direction")), heading: Heading::Against }
+    Cut::new(Arc::new(curve.expect("a direction")), Heading::Against)
 }
 
 /// The bore of [Litke et al. 2001, Fig. 14], asked for as exactly as they measured it, and more.

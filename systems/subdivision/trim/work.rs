@@ -13,7 +13,7 @@ use selvedge_components::subdivision::{FaceCode, LoopSurface};
 use selvedge_components::target::{Guarded, Target};
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::trim::{
-    Omega, TrimAuditFault, TrimFault, TrimOptions, TrimQuantum, TrimReport, TrimStage, TrimmedCage,
+    Omega, OtherReport, Sides, TrimAuditFault, TrimFault, TrimOptions, TrimQuantum, TrimReport, TrimStage, TrimmedCage,
 };
 use thiserror::Error;
 
@@ -21,6 +21,7 @@ use super::audit::TrimAuditWork;
 use super::compose::ZoneOf;
 use super::ground::Ground;
 use super::locate::Located;
+use super::other::OtherWork;
 use super::zone::Zone;
 use crate::closest::Search;
 use crate::subdivision::fit::FitWork;
@@ -50,7 +51,13 @@ pub struct TrimWork {
     remeshed: Option<Arc<Remeshed>>,
     /// The fit of the new cage, until it is taken.
     fit: Option<Box<FitWork>>,
+    /// What may be spent.
+    budgets: Budgets,
     audit: Option<TrimAuditWork>,
+    /// Is the audit of what stays done?
+    audited: bool,
+    /// The other sides that are wanted, in the order of their trims, as far as they were begun.
+    others: Vec<OtherWork>,
 }
 
 impl TrimWork {
@@ -73,7 +80,10 @@ impl TrimWork {
             cutting: None,
             remeshed: None,
             fit: None,
+            budgets: Budgets::default(),
             audit: None,
+            audited: false,
+            others: Vec::new(),
         }
     }
 
@@ -165,10 +175,8 @@ impl TrimWork {
     }
 
     fn begin_cutting(&self) -> Result<RemeshWork, RemeshError> {
-        let junctions = self.tolerance.map_or_else(JunctionOptions::default, |t| JunctionOptions::within(t.fit));
-        let TrimOptions { omega, reach, .. } = self.options;
-        let options = RemeshOptions { omega, reach, junctions, ..RemeshOptions::default() };
-        let (cuts, images) = self.parts().map(|(c, p)| (c.clone(), p.clone())).unzip();
+        let (cuts, images) = self.cuts();
+        let options = self.remesh_options();
         RemeshWork::new(Arc::clone(&self.ground.surface), cuts, images, options)
     }
 
@@ -194,14 +202,41 @@ impl TrimWork {
         if !self.keeps_to_its_zone(&remeshed) {
             return Ok(TrimQuantum::Widen);
         }
-        let target: Arc<dyn Target> = Arc::new(self.ground.target(Search::AroundHint));
-        let guarded = Arc::new(Guarded::new(target, *budgets));
-        let options = fit_options(&self.options, self.tolerance.as_ref(), budgets, remeshed.omega.clone());
-        let natural: Arc<[SurfacePoint]> = remeshed.natural.clone().into();
-        let fit = FitWork::new(Arc::new(remeshed.surface.clone()), guarded, options);
-        self.fit = Some(Box::new(fit.map_err(|why| self.newest(why.into()))?.with_natural(natural)));
+        self.budgets = *budgets;
+        self.fit = Some(Box::new(self.fit_of(&remeshed).map_err(|why| self.newest(why))?));
         self.remeshed = Some(Arc::new(remeshed));
         Ok(TrimQuantum::Next(TrimStage::Fit))
+    }
+
+    /// All parts as cuts, each of the set of its trim: what stays is what every trim leaves.
+    pub(super) fn cuts(&self) -> (Vec<Cut>, Vec<PreImage>) {
+        let parts = self.owners().into_iter().zip(self.parts());
+        parts.map(|((trim, _), (cut, image))| (cut.of_set(trim as u32), image.clone())).unzip()
+    }
+
+    pub(super) fn remesh_options(&self) -> RemeshOptions {
+        let junctions = self.tolerance.map_or_else(JunctionOptions::default, |t| JunctionOptions::within(t.fit));
+        let TrimOptions { omega, reach, .. } = self.options;
+        RemeshOptions { omega, reach, junctions, ..RemeshOptions::default() }
+    }
+
+    /// Begins the fit of a new cage to the limit surface of its source.
+    pub(super) fn fit_of(&self, remeshed: &Remeshed) -> Result<FitWork, TrimFault> {
+        let target: Arc<dyn Target> = Arc::new(self.ground.target(Search::AroundHint));
+        let guarded = Arc::new(Guarded::new(target, self.budgets));
+        let options = fit_options(&self.options, self.tolerance.as_ref(), &self.budgets, remeshed.omega.clone());
+        let natural: Arc<[SurfacePoint]> = remeshed.natural.clone().into();
+        Ok(FitWork::new(Arc::new(remeshed.surface.clone()), guarded, options)?.with_natural(natural))
+    }
+
+    /// Begins the audit of `surface`, the fitted form of `remeshed`.
+    pub(super) fn audit_of(
+        &self,
+        remeshed: Arc<Remeshed>,
+        surface: Arc<LoopSurface>,
+    ) -> Result<TrimAuditWork, TrimFault> {
+        let (ground, limit) = (Arc::clone(&self.ground), self.tolerance.map(|t| t.fit));
+        TrimAuditWork::new(ground, remeshed, surface, limit, &self.options)
     }
 
     /// The fit that remeshing has begun; it is not ours any more.
@@ -212,7 +247,7 @@ impl TrimWork {
     /// A failure for which no single curve can be named is that of the newest trim: those before it
     /// may be sound without it.
     pub fn newest(&self, why: TrimFault) -> Blamed {
-        Blamed { trim: self.members.len().saturating_sub(1), why }
+        Blamed { trim: self.members.len().saturating_sub(1), with: None, why }
     }
 
     /// A failure at a place is that of the trim whose curve is nearest; one at no place the newest's.
@@ -225,7 +260,7 @@ impl TrimWork {
         let owners = self.owners().into_iter().map(|owner| owner.0);
         let nearest = self.parts().zip(owners).map(|((_, image), trim)| (away(image), trim));
         match nearest.reduce(|a, b| if b.0 < a.0 { b } else { a }) {
-            Some((_, trim)) => Blamed { trim, why },
+            Some((_, trim)) => Blamed { trim, with: None, why },
             None => self.newest(why),
         }
     }
@@ -238,10 +273,10 @@ impl TrimWork {
         | RemeshError::Coincident { curves, .. } = &mut why
         {
             // Of two that do not go together, the newer one is in the way.
-            let newer = owners.get(curves[1]).map(|owner| owner.0);
+            let [older, newer] = curves.map(|part| owners.get(part).map(|owner| owner.0));
             *curves = curves.map(|part| owners.get(part).map_or(part, |owner| owner.1));
             return match newer {
-                Some(trim) => Blamed { trim, why: why.into() },
+                Some(trim) => Blamed { trim, with: older.filter(|&older| older != trim), why: why.into() },
                 None => self.newest(why.into()),
             };
         }
@@ -255,6 +290,7 @@ impl TrimWork {
             RemeshError::PreImage { curve, .. }
             | RemeshError::Open { curve, .. }
             | RemeshError::DoesNotSeparate { curve, .. }
+            | RemeshError::NothingLeft { curve }
             | RemeshError::TooFine { curve, .. }
             | RemeshError::Tangled { curve, .. }
             | RemeshError::Cusp { curve, .. }
@@ -269,7 +305,7 @@ impl TrimWork {
         let Some((curve, part)) = blamed else { return self.newest(why.into()) };
         let Some(&(trim, own)) = owners.get(part) else { return self.newest(why.into()) };
         *curve = own;
-        Blamed { trim, why: why.into() }
+        Blamed { trim, with: None, why: why.into() }
     }
 
     /// Runs one work quantum of the audit of `fit`, which is done.
@@ -280,13 +316,57 @@ impl TrimWork {
         let Some(audit) = &mut self.audit else {
             let Some(remeshed) = self.remeshed.clone() else { return Ok(TrimQuantum::Finished) };
             let surface = Arc::new(LoopSurface { details: fit.details().clone(), ..remeshed.surface.clone() });
-            let (ground, limit) = (Arc::clone(&self.ground), self.tolerance.map(|t| t.fit));
-            let audit = TrimAuditWork::new(ground, remeshed, surface, limit, &self.options);
+            let audit = self.audit_of(remeshed, surface);
             self.audit = Some(audit.map_err(|why| self.newest(why))?);
             return Ok(TrimQuantum::More);
         };
-        let step = audit.advance();
-        step.map_err(|why| self.nearest(why))
+        if self.audited {
+            return self.advance_others();
+        }
+        let step = audit.advance().map_err(|why| self.nearest(why))?;
+        self.audited = step == TrimQuantum::Finished;
+        Ok(if self.audited && self.next_other().is_some() { TrimQuantum::More } else { step })
+    }
+
+    /// The first trim whose other side is wanted and was not begun.
+    fn next_other(&self) -> Option<usize> {
+        let begin = self.others.last().map_or(0, |other| other.trim + 1);
+        (begin..self.members.len()).find(|&trim| self.members[trim].options.sides == Sides::Both)
+    }
+
+    /// One quantum more of the other sides.
+    fn advance_others(&mut self) -> Result<TrimQuantum, Blamed> {
+        let of_other = |trim, why| Blamed { trim, with: None, why: TrimFault::OtherSide { why: Box::new(why) } };
+        if let Some(mut other) = self.others.pop_if(|other| !other.is_done()) {
+            let (trim, step) = (other.trim, other.advance(self));
+            self.others.push(other);
+            let step = step.map_err(|why| of_other(trim, why))?;
+            return Ok(if self.next_other().is_some() { TrimQuantum::More } else { step });
+        }
+        let (Some(trim), Some(remeshed)) = (self.next_other(), self.remeshed.clone()) else {
+            return Ok(TrimQuantum::Finished);
+        };
+        let other = OtherWork::new(self, trim, remeshed).map_err(|why| of_other(trim, why))?;
+        if !self.keeps_to_its_zone(&other.remeshed) {
+            return Ok(TrimQuantum::Widen);
+        }
+        self.others.push(other);
+        Ok(TrimQuantum::More)
+    }
+
+    /// The other sides that are made.
+    pub fn others(&self) -> &[OtherWork] {
+        &self.others
+    }
+
+    /// How the other side of a trim went, by its index among those made together.
+    pub fn other_report(&self, trim: usize) -> Option<OtherReport> {
+        self.others.iter().find(|other| other.trim == trim)?.report(self)
+    }
+
+    /// An error with its curves as the trims count them.
+    pub(super) fn named(&self, why: RemeshError) -> TrimFault {
+        self.blame(why).why
     }
 
     /// What is left of the source, once the audit has begun.
@@ -307,10 +387,11 @@ impl TrimWork {
             relaxed: remeshed.relaxed.clone(),
             cage: self.cage(remeshed),
             audit: *audit.found(),
+            other: None,
         })
     }
 
-    fn cage(&self, remeshed: &Remeshed) -> TrimmedCage {
+    pub(super) fn cage(&self, remeshed: &Remeshed) -> TrimmedCage {
         let mesh = &remeshed.surface.mesh;
         let omega = &remeshed.omega;
         let changed = remeshed.changed.iter();
@@ -379,6 +460,8 @@ fn place_of(why: &TrimFault) -> Option<DVec3> {
 pub struct Blamed {
     /// The trim, by index among those made together.
     pub trim: usize,
+    /// Where it is about curves of two of them, the older.
+    pub with: Option<usize>,
     /// What happened.
     pub why: TrimFault,
 }

@@ -69,6 +69,12 @@ impl Zone {
         (4 * faces.len() <= 3 * mesh.face_count()).then(|| Self::of(mesh, &faces))
     }
 
+    /// All of a mesh.
+    pub fn whole(mesh: &Connectivity) -> Self {
+        let faces = (0..mesh.face_count()).map(FaceId::new).collect();
+        Self { faces, vertices: (0..mesh.vertex_count()).map(VertexId::new).collect() }
+    }
+
     fn of(mesh: &Connectivity, faces: &[FaceCode]) -> Self {
         let faces: Vec<FaceId> = faces.iter().map(|f| f.root_face(0)).collect();
         let mut vertices: Vec<VertexId> = faces.iter().flat_map(|&f| mesh.face(f)).collect();

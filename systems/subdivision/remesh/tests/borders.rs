@@ -35,7 +35,7 @@ fn cut_across(
     heading: Heading,
 ) -> (Vec<Cut>, Result<Remeshed, RemeshError>) {
     let walker = Walker::new(plate);
-    let cut = Cut { curve: Arc::new(Flat(plane)), heading };
+    let cut = Cut::new(Arc::new(Flat(plane)), heading);
     let options = TraceOptions { curve: 1e-9, step: 0.05 / 8.0 };
     let images = trace_parts(&plate.mesh, &walker, &*cut.curve, options).expect("pre-images");
     let cuts = vec![cut; images.len()];

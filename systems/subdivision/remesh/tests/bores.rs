@@ -13,7 +13,7 @@ use crate::subdivision::fit::{FitOptions, FitWork, Region};
 
 fn bore(walker: &Arc<Walker>, centre: DVec2, radius: f64) -> Cut {
     let curve = OnPlate { walker: Arc::clone(walker), plane: circle(centre, radius), corners: Vec::new() };
-    Cut { curve: Arc::new(curve), heading: Heading::Along }
+    Cut::new(Arc::new(curve), Heading::Along)
 }
 
 fn traced(plate: &LoopSurface, walker: &Walker, cuts: &[Cut]) -> Result<Remeshed, RemeshError> {

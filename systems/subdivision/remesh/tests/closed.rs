@@ -35,7 +35,7 @@ impl Stage {
         let x = normal.any_orthonormal_vector();
         let y = normal.cross(x);
         let curve = Laid { walker: Arc::clone(&self.walker), plane, centre: foot.position, x, y, corners };
-        Cut { curve: Arc::new(curve), heading: Heading::Along }
+        Cut::new(Arc::new(curve), Heading::Along)
     }
 
     fn cut(&self, cuts: &[Cut]) -> Result<Remeshed, RemeshError> {
@@ -100,7 +100,7 @@ fn a_curve_through_a_pole_is_cut_along() {
 fn one_meridian_does_not_separate_a_torus_and_two_do() {
     let stage = Stage::new(torus(16, 10));
     let meridian: Arc<dyn Curve> = Arc::new(Meridian(Arc::clone(&stage.walker)));
-    let one = stage.cut(&[Cut { curve: meridian, heading: Heading::Along }]);
+    let one = stage.cut(&[Cut::new(meridian, Heading::Along)]);
     assert!(matches!(one, Err(RemeshError::DoesNotSeparate { curve: 0, .. })), "{one:?}");
 }
 

@@ -24,7 +24,7 @@ impl Plate {
     }
 
     fn lay(&self, plane: impl Fn(f64) -> DVec2 + Send + Sync + 'static, corners: Vec<f64>, heading: Heading) -> Cut {
-        Cut { curve: Arc::new(OnPlate { walker: Arc::clone(&self.walker), plane, corners }), heading }
+        Cut::new(Arc::new(OnPlate { walker: Arc::clone(&self.walker), plane, corners }), heading)
     }
 
     fn bore(&self, x: f64, y: f64, radius: f64) -> Cut {
@@ -183,7 +183,7 @@ fn a_slot_through_the_whole_plate_leaves_two_parts() {
     let (mut cuts, mut images) = (Vec::new(), Vec::new());
     for curve in [bore, slot] {
         for part in trace_parts(&plate.mesh, &*walker, &*curve, options).expect("pre-images") {
-            cuts.push(Cut { curve: Arc::clone(&curve), heading: Heading::Along });
+            cuts.push(Cut::new(Arc::clone(&curve), Heading::Along));
             images.push(part);
         }
     }
@@ -223,7 +223,7 @@ fn curves_that_pass_each_other_in_space_are_refused_by_their_gap() {
     let walker = Walker::new(&plate);
     let at = |x: f64, z: f64| -> Cut {
         let circle = selvedge_components::curve::Circle::new(DVec3::new(x, 0.0, z), -DVec3::Z, 0.06);
-        Cut { curve: Arc::new(circle.expect("a circle")), heading: Heading::Along }
+        Cut::new(Arc::new(circle.expect("a circle")), Heading::Along)
     };
     let cuts = [at(-0.03, 0.0), at(0.03, 1e-4)];
     let options = TraceOptions { curve: 1e-3, step: 0.05 / 8.0 };

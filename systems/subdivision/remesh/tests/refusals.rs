@@ -20,7 +20,7 @@ fn plate() -> (LoopSurface, Arc<Walker>) {
 const TRACE: TraceOptions = TraceOptions { curve: 1e-6, step: 0.05 / 8.0 };
 
 fn on(walker: &Arc<Walker>, plane: impl Fn(f64) -> DVec2 + Send + Sync + 'static) -> Cut {
-    Cut { curve: Arc::new(OnPlate { walker: Arc::clone(walker), plane, corners: Vec::new() }), heading: Heading::Along }
+    Cut::new(Arc::new(OnPlate { walker: Arc::clone(walker), plane, corners: Vec::new() }), Heading::Along)
 }
 
 fn run(plate: &LoopSurface, walker: &Walker, cuts: &[Cut], options: &RemeshOptions) -> Result<Remeshed, RemeshError> {
@@ -102,7 +102,7 @@ fn an_open_curve_is_refused() {
         }
     }
     let (plate, _) = plate();
-    let cut = Cut { curve: Arc::new(Open), heading: Heading::Along };
+    let cut = Cut::new(Arc::new(Open), Heading::Along);
     let found = remesh(plate.clone(), &[cut], &[PreImage::default()], &RemeshOptions::default());
     assert!(matches!(found, Err(RemeshError::Open { curve: 0, gap }) if gap == 1.0));
 }

@@ -20,7 +20,7 @@ const RADIUS: f64 = 0.2;
 /// A flat disc whose rim is a circle.
 fn disc() -> LoopSurface {
     let plate = lattice(10, 0.05, |_, _| 0.0);
-    let rim = Cut { curve: circle(0.0, 0.0, RADIUS), heading: Heading::Along };
+    let rim = Cut::new(circle(0.0, 0.0, RADIUS), Heading::Along);
     let walker = Walker::new(&plate);
     let options = TraceOptions { curve: 1e-9, step: 0.05 / 8.0 };
     let image = trace(&plate.mesh, &walker, &*rim.curve, options).expect("a pre-image");
@@ -33,7 +33,7 @@ fn circle(x: f64, y: f64, radius: f64) -> Arc<dyn Curve> {
 }
 
 fn bore(x: f64, y: f64, radius: f64) -> Cut {
-    Cut { curve: circle(x, y, radius), heading: Heading::Against }
+    Cut::new(circle(x, y, radius), Heading::Against)
 }
 
 /// Cuts with curves that may leave the source: one cut for each part of a curve.

@@ -28,7 +28,7 @@ fn cut_with(
     corners: Vec<f64>,
     heading: Heading,
 ) -> Cut {
-    Cut { curve: Arc::new(OnPlate { walker: Arc::clone(walker), plane, corners }), heading }
+    Cut::new(Arc::new(OnPlate { walker: Arc::clone(walker), plane, corners }), heading)
 }
 
 fn cut_out(plate: &LoopSurface, walker: &Walker, cuts: &[Cut]) -> Result<Remeshed, RemeshError> {
@@ -184,7 +184,7 @@ fn a_curved_border_that_is_refined_keeps_its_shape() {
     let y = normal.cross(x);
     let curve =
         Laid { walker: Arc::clone(&walker), plane: circle(DVec2::ZERO, 0.08), centre, x, y, corners: Vec::new() };
-    let cuts = [Cut { curve: Arc::new(curve), heading: Heading::Along }];
+    let cuts = [Cut::new(Arc::new(curve), Heading::Along)];
     let options = TraceOptions { curve: 1e-6, step: 0.05 };
     let image = trace(&bowl.mesh, &*walker, &*cuts[0].curve, options).expect("a pre-image");
     let result = remesh(bowl.clone(), &cuts, &[image], &RemeshOptions::default()).expect("a cage");

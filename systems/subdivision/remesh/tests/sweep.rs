@@ -64,7 +64,7 @@ impl Ground {
                 let centre = radius * DVec2::new(numbers.between(-0.8, 0.8), numbers.between(-0.8, 0.8));
                 let (plane, corners) = any(numbers, centre, own);
                 let curve = Laid { walker: Arc::clone(&self.walker), plane, centre: foot.position, x, y, corners };
-                Cut { curve: Arc::new(curve), heading: Heading::Along }
+                Cut::new(Arc::new(curve), Heading::Along)
             })
             .collect()
     }

@@ -15,8 +15,8 @@ use selvedge_components::job::Cancelled;
 use selvedge_components::subdivision::{Cage, DetailOf, Snapshot};
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::trim::{
-    AtLocate, AtRemesh, Stale, Trim, TrimFailed, TrimFault, TrimInputs, TrimJob, TrimOptions, TrimStage, TrimState,
-    TrimmedTo,
+    AtLocate, AtRemesh, OtherSide, PreImages, Stale, Trim, TrimFailed, TrimFault, TrimInputs, TrimJob, TrimOptions,
+    TrimStage, TrimState, TrimmedTo,
 };
 
 use super::{Candidate, Source, Verdict, anything_changed, verdict};
@@ -40,6 +40,7 @@ type Job = (
     Has<TrimWork>,
     Option<&'static Solved>,
     Has<Cancelled>,
+    Option<&'static PreImages>,
 );
 type Surface = (Option<&'static Snapshot>, Option<&'static SurfaceFailed>, Option<&'static Ground>);
 
@@ -191,15 +192,17 @@ fn candidate<'w>(
     reads: &Reads,
 ) -> Candidate<'w> {
     let budgets = reads.budgets.as_deref().map_or_else(Budgets::default, |b| *b);
-    let &(entity, _, asked, options, tolerance, job, locating, has_work, solved, _) = trim;
+    let &(entity, _, asked, options, tolerance, job, locating, has_work, solved, _, given) = trim;
     let mut refusal = None;
     let cuts = asked.cuts.iter().map(|cut| {
         let Ok((space, failed)) = reads.curves.get(cut.curve) else {
             refusal = refusal.take().or(Some(TrimFault::NoCurve { curve: cut.curve }));
             return None;
         };
-        if let Some(CurveFailed(faults)) = failed {
-            let first = faults.first().map_or_else(String::new, ToString::to_string);
+        if let Some(CurveFailed(faults)) = failed
+            && let Some(first) = faults.first()
+        {
+            let first = Box::new(first.clone());
             let why = TrimFault::CurveFailed { curve: cut.curve, faults: faults.len(), first };
             refusal = refusal.take().or(Some(why));
         }
@@ -210,6 +213,7 @@ fn candidate<'w>(
         source: asked.source,
         revision: surface.and_then(|s| s.0).map(|snapshot| snapshot.revision),
         cuts: cuts.collect(),
+        given: given.cloned().unwrap_or_default(),
         options: options.clone(),
         tolerance: tolerance.copied(),
         budgets,
@@ -261,6 +265,7 @@ fn begin_groups(
         let reserved = members.iter().flat_map(|(.., located)| located.reserved()).copied().collect();
         let work = TrimWork::new(Arc::clone(first.ground()), located, region::ascending(reserved));
         for &&(trim, job, _) in &members {
+            commands.entity(trim).queue_silenced(mark_other_stale);
             let led = trim != *lead;
             let state = if led { TrimState::With(*lead) } else { TrimState::Running(TrimStage::Remesh) };
             let job = TrimJob { together: group.clone(), ..TrimJob::new(state, job.inputs.clone()) };
@@ -286,9 +291,10 @@ fn begin_locating(
             commands.entity(source).try_insert(Ground::clone(ground));
         }
         let cuts = inputs.cuts.iter().flatten();
-        let cuts = cuts.map(|(curve, _, heading)| Cut { curve: Arc::clone(curve), heading: *heading }).collect();
-        let begun =
-            ground.clone().and_then(|ground| LocateWork::new(ground, cuts, inputs.options.clone(), inputs.tolerance));
+        let cuts = cuts.map(|(curve, _, heading)| Cut::new(Arc::clone(curve), *heading)).collect();
+        let begun = ground.clone().and_then(|ground| {
+            Ok(LocateWork::new(ground, cuts, inputs.options.clone(), inputs.tolerance)?.with_given(&inputs.given))
+        });
         match begun {
             Ok(work) => {
                 let job = TrimJob::new(TrimState::Running(TrimStage::Locate), inputs);
@@ -297,17 +303,26 @@ fn begin_locating(
             Err(why) => fail(commands, trim, inputs, why),
         }
         commands.entity(source).queue_silenced(mark_stale);
+        commands.entity(trim).queue_silenced(mark_other_stale);
     }
 }
 
 /// The last good result stays, and says that it is not the present one.
 fn mark_stale(mut source: EntityWorldMut) {
     if let Some(&TrimmedTo(result)) = source.get() {
-        source.world_scope(|world| {
-            if let Ok(mut result) = world.get_entity_mut(result) {
-                result.insert(Stale);
-            }
-        });
+        source.world_scope(|world| mark_result(world, result));
+    }
+}
+
+fn mark_other_stale(mut trim: EntityWorldMut) {
+    if let Some(&OtherSide(result)) = trim.get() {
+        trim.world_scope(|world| mark_result(world, result));
+    }
+}
+
+fn mark_result(world: &mut World, result: Entity) {
+    if let Ok(mut result) = world.get_entity_mut(result) {
+        result.insert(Stale);
     }
 }
 
@@ -326,6 +341,6 @@ fn ground(source: Entity, surfaces: &Query<Surface, With<Cage>>) -> Result<Arc<G
 
 /// Tells why a trim could not be made.
 fn fail(commands: &mut Commands, trim: Entity, inputs: TrimInputs, why: TrimFault) {
-    let failed = TrimFailed { why, ladder: Vec::new() };
+    let failed = TrimFailed { why, with: None, ladder: Vec::new() };
     commands.entity(trim).try_remove::<Traces>().try_insert((TrimJob::new(TrimState::Failed, inputs), failed));
 }

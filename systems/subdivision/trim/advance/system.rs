@@ -8,7 +8,8 @@ use selvedge_components::identity::Serials;
 use selvedge_components::job::{AtCorrespond, AtModify, AtRefine, FitInputs, FitJob, JobState};
 use selvedge_components::subdivision::fit::FitOptions;
 use selvedge_components::trim::{
-    AtAudit, AtLocate, AtRelax, AtRemesh, Trim, TrimFailed, TrimInputs, TrimJob, TrimReport, TrimStage, TrimState,
+    AtAudit, AtLocate, AtRelax, AtRemesh, OtherReport, Trim, TrimFailed, TrimInputs, TrimJob, TrimReport, TrimStage,
+    TrimState,
 };
 
 use super::{Step, next_step};
@@ -30,8 +31,8 @@ type Made = (
 
 /// How the work of trims made together has ended.
 enum End {
-    /// They are done.
-    Finished(Option<Box<TrimReport>>),
+    /// They are done, and so is the other side of each of which that is wanted.
+    Finished(Option<Box<TrimReport>>, Vec<Option<OtherReport>>),
     /// They change more than was thought.
     Widen,
     /// This one has failed.
@@ -86,7 +87,8 @@ pub fn advance_trims(
                 let Some((work, fit)) = work.zip(fit) else { continue };
                 deliver(&mut commands, &mut details, entity, entity, fit);
                 let solved = solved(&job, &work, serials.0.next_number());
-                ends.push((job.together.clone(), End::Finished(work.report(fit).map(Box::new))));
+                let others = (0..job.together.len()).map(|trim| work.other_report(trim)).collect();
+                ends.push((job.together.clone(), End::Finished(work.report(fit).map(Box::new), others)));
                 commands.entity(entity).try_remove::<WorkTraces>();
                 if let Some(solved) = solved {
                     commands.entity(entity).try_insert(solved);
@@ -97,21 +99,24 @@ pub fn advance_trims(
                 let together = if job.together.is_empty() { vec![entity] } else { job.together.clone() };
                 let (nearest, why) = match work {
                     Some(work) => {
-                        let Blamed { trim, why } = work.nearest(why);
+                        let Blamed { trim, why, .. } = work.nearest(why);
                         (together.get(trim).copied(), why)
                     }
                     None => (None, why),
                 };
                 let blamed = job.blamed.take().or(nearest).filter(|trim| together.contains(trim));
                 let blamed = blamed.or(together.last().copied()).unwrap_or(entity);
-                ends.push((together, End::Failed(blamed, TrimFailed { why, ladder })));
+                let with = job.with.take().filter(|with| together.contains(with));
+                ends.push((together, End::Failed(blamed, TrimFailed { why, with, ladder })));
             }
         }
     }
     let mut failed = EntityHashSet::default();
     for (together, end) in ends {
         match end {
-            End::Finished(report) => finish(&mut commands, &mut trims, &together, report.as_deref()),
+            End::Finished(report, others) => {
+                finish(&mut commands, &mut trims, &together, report.as_deref(), others);
+            }
             End::Widen => {
                 for &trim in &together {
                     if let Ok((.., Some(mut located))) = trims.get_mut(trim) {
@@ -155,8 +160,19 @@ fn begin_fit(trim: &mut EntityCommands, job: &mut TrimJob, fit: Option<FitWork>)
 
 fn solved(job: &TrimJob, work: &TrimWork, number: u64) -> Option<Solved> {
     let (remeshed, surface) = (Arc::clone(work.remeshed()?), Arc::clone(work.result()?));
-    let zone = work.zone().map(Arc::clone);
-    Some(Solved { together: job.together.clone(), number, zone, remeshed, surface })
+    let solved = |remeshed, surface| Solved {
+        together: job.together.clone(),
+        number,
+        zone: work.zone().map(Arc::clone),
+        remeshed,
+        surface,
+        others: Vec::new(),
+    };
+    let others = work.others().iter().filter_map(|other| {
+        let surface = Arc::clone(other.surface()?);
+        Some((*job.together.get(other.trim)?, solved(Arc::clone(&other.remeshed), surface)))
+    });
+    Some(Solved { others: others.collect(), ..solved(remeshed, surface) })
 }
 
 /// All trims made together are done.
@@ -165,13 +181,14 @@ fn finish(
     trims: &mut Query<Made, With<Trim>>,
     together: &[Entity],
     report: Option<&TrimReport>,
+    others: Vec<Option<OtherReport>>,
 ) {
-    for &trim in together {
+    for (&trim, other) in together.iter().zip(others) {
         if let Ok((_, mut job, ..)) = trims.get_mut(trim) {
             job.state = TrimState::Finished;
         }
         if let Some(report) = report {
-            let report = TrimReport { together: together.to_vec(), ..report.clone() };
+            let report = TrimReport { together: together.to_vec(), other: other.map(Box::new), ..report.clone() };
             commands.entity(trim).try_insert(report);
         }
     }

@@ -1,8 +1,9 @@
 //! # Compose: the result of a source, of what its trims have left
 //!
 //! Where no trim reaches, the source's own faces stay, with their control points and details; within
-//! reach of a trim, what that has left takes their place. Faces that no trim reaches, but that lie
-//! beyond a curve, are found by flood: from what a trim has removed, over faces, up to other curves.
+//! reach of a trim, what that has left takes their place. Faces that lie beyond a curve, but out of its
+//! reach, are found by flood: from what a trim has removed, over faces of the source. What stays is
+//! what no trim removes.
 
 mod roster;
 mod system;
@@ -37,6 +38,8 @@ pub struct Solved {
     pub remeshed: Arc<Remeshed>,
     /// What is left of that part of the source, details and all.
     pub surface: Arc<LoopSurface>,
+    /// What those of them remove that were asked for it, in the same form.
+    pub others: Vec<(Entity, Self)>,
 }
 
 /// A zone, and what its sides are of the source's.
@@ -48,9 +51,25 @@ pub struct ZoneOf {
     pub sides: Vec<ZoneSide>,
 }
 
+impl ZoneOf {
+    /// All of a source.
+    fn whole(source: &LoopSurface) -> Self {
+        let sides = (0..source.sides.len()).map(ZoneSide::Whole).collect();
+        Self { zone: Zone::whole(&source.mesh), sides }
+    }
+}
+
 /// What a result was put together of: the numbers of the solutions, ascending.
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq)]
 pub struct ComposedOf(pub Vec<u64>);
+
+impl ComposedOf {
+    fn of(pieces: &[&Solved]) -> Self {
+        let mut numbers: Vec<u64> = pieces.iter().map(|piece| piece.number).collect();
+        numbers.sort_unstable();
+        Self(numbers)
+    }
+}
 
 /// Why pieces make no result: which of them is in the way.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,13 +82,21 @@ pub struct Misfit {
 
 /// What is left of `source` by all of `pieces`; `None` where there are none.
 ///
+/// Where nothing stays, the piece is the first that leaves nothing of what those before it leave.
+///
 /// # Errors
 /// When a piece does not separate what stays from what goes, or nothing stays.
 pub fn compose(source: &LoopSurface, pieces: &[&Solved]) -> Result<Option<Arc<LoopSurface>>, Misfit> {
     match pieces {
         [] => Ok(None),
         [all] if all.zone.is_none() => Ok(Some(Arc::clone(&all.surface))),
-        _ => Composer::new(source, pieces).compose().map(|surface| Some(Arc::new(surface))),
+        _ => {
+            // One that was made on all of the source has all of it for its zone.
+            let whole = pieces.iter().any(|piece| piece.zone.is_none()).then(|| ZoneOf::whole(source));
+            let own = pieces.iter().map(|&piece| (piece, piece.zone.as_deref().or(whole.as_ref())));
+            let pieces = own.filter_map(|(piece, zone)| Some(Piece::new(piece, zone?))).collect();
+            Composer::new(source, pieces).compose().map(|surface| Some(Arc::new(surface)))
+        }
     }
 }
 
@@ -90,13 +117,22 @@ struct Piece<'a> {
 }
 
 impl<'a> Piece<'a> {
-    fn new(solved: &'a Solved) -> Option<Self> {
-        let zone = &**solved.zone.as_ref()?;
+    fn new(solved: &'a Solved, zone: &'a ZoneOf) -> Self {
         let still = solved.remeshed.face_origin.iter().map(|origin| match origin {
             FaceOrigin::Leaf { level: 0, code } => zone.zone.faces[code.root_face(0).index()].0,
             _ => NONE,
         });
-        Some(Self { zone, remeshed: &solved.remeshed, surface: &solved.surface, still: still.collect() })
+        Self { zone, remeshed: &solved.remeshed, surface: &solved.surface, still: still.collect() }
+    }
+
+    /// By face of the zone: is all of it of this fate?
+    fn whole(&self, fate: Fate) -> Vec<bool> {
+        let mut shares = vec![0.0; self.zone.zone.faces.len()];
+        for &(level, code, _) in self.remeshed.fates.iter().filter(|(.., found)| *found == fate) {
+            // A sum of quarters of quarters is exact.
+            shares[code.root_face(level).index()] += 0.25_f64.powi(level as i32);
+        }
+        shares.into_iter().map(|share| share == 1.0).collect()
     }
 
     /// The vertex of the source that a vertex of the piece is.
@@ -109,8 +145,7 @@ impl<'a> Piece<'a> {
 }
 
 impl<'a> Composer<'a> {
-    fn new(source: &'a LoopSurface, pieces: &[&'a Solved]) -> Self {
-        let pieces: Vec<Piece<'a>> = pieces.iter().filter_map(|piece| Piece::new(piece)).collect();
+    fn new(source: &'a LoopSurface, pieces: Vec<Piece<'a>>) -> Self {
         let mut taken = vec![false; source.mesh.face_count()];
         for piece in &pieces {
             let mut gone: Vec<bool> = vec![true; piece.zone.zone.faces.len()];
@@ -127,17 +162,29 @@ impl<'a> Composer<'a> {
     }
 
     fn compose(&self) -> Result<LoopSurface, Misfit> {
-        let all = Assembly::of(self, self.faces())?;
-        let dropped = self.beyond(&all)?;
-        if !dropped.contains(&true) {
-            return Ok(all.surface(self));
+        let gone: Vec<Vec<bool>> = (0..self.pieces.len()).map(|p| self.gone(p)).collect::<Result<_, _>>()?;
+        if let Some(piece) = first_to_leave_nothing(&gone) {
+            return Err(Misfit { piece, why: RemeshError::NothingLeft { curve: 0 } });
         }
-        let left: Vec<Face> =
-            all.roster.faces.iter().zip(&dropped).filter(|(_, dropped)| !**dropped).map(|(&f, _)| f).collect();
-        if left.is_empty() {
-            return Err(Misfit { piece: self.pieces.len() - 1, why: RemeshError::NothingLeft });
+        let left = self.faces().into_iter().filter(|&face| {
+            let (own, root) = self.root_of(face);
+            (0..gone.len()).all(|p| Some(p) == own || !gone[p][root.index()])
+        });
+        Ok(Assembly::of(self, left.collect())?.surface(self))
+    }
+
+    /// The piece that a face of the result is of, and the face of the source that it stands on.
+    fn root_of(&self, face: Face) -> (Option<usize>, FaceId) {
+        match face {
+            Face::Source(f) => (None, FaceId(f)),
+            Face::Piece(p, f) => {
+                let piece = &self.pieces[p as usize];
+                // Whatever a piece changes lies in faces that no other piece divides.
+                let corner = piece.surface.mesh.face(FaceId(f))[0];
+                let own = piece.remeshed.natural[corner.index()].face;
+                (Some(p as usize), piece.zone.zone.faces[own.index()])
+            }
         }
-        Ok(Assembly::of(self, left)?.surface(self))
     }
 
     /// Faces of the source first, in their order; then the new ones, piece by piece.
@@ -149,49 +196,51 @@ impl<'a> Composer<'a> {
         own.chain(new).collect()
     }
 
-    /// Which faces of the result lie beyond a curve of another piece.
-    fn beyond(&self, all: &Assembly) -> Result<Vec<bool>, Misfit> {
-        let mut dropped = vec![false; all.roster.faces.len()];
-        let mesh = &all.mesh;
-        for (p, piece) in self.pieces.iter().enumerate() {
-            let mut stack: Vec<FaceId> =
-                self.next_to_removed(piece).filter_map(|f| all.roster.face_of_source(f)).collect();
-            let mut reached = vec![false; all.roster.faces.len()];
-            while let Some(face) = stack.pop() {
-                if core::mem::replace(&mut reached[face.index()], true) {
-                    continue;
+    /// By face of the source: has the piece removed all of it? Beyond its zone that is so where it is
+    /// reached from what it has removed in the zone.
+    fn gone(&self, p: usize) -> Result<Vec<bool>, Misfit> {
+        let (mesh, piece) = (&self.source.mesh, &self.pieces[p]);
+        let zone = &piece.zone.zone;
+        let (removed, kept) = (piece.whole(Fate::Removed), piece.whole(Fate::Kept));
+        let mut gone = vec![false; mesh.face_count()];
+        let mut stack = Vec::new();
+        for (&face, _) in zone.faces.iter().zip(&removed).filter(|(_, removed)| **removed) {
+            gone[face.index()] = true;
+            stack.push(face);
+        }
+        while let Some(face) = stack.pop() {
+            for next in (0..3).filter_map(|c| mesh.twin(HalfedgeId::of(face, c))).map(HalfedgeId::face) {
+                match zone.face(next) {
+                    None if !gone[next.index()] => {
+                        gone[next.index()] = true;
+                        stack.push(next);
+                    }
+                    // What the piece keeps is reached, from beyond its zone, from what it removes.
+                    Some(own) if kept[own.index()] && zone.face(face).is_none() => {
+                        let at = self.place(next);
+                        return Err(Misfit { piece: p, why: RemeshError::DoesNotSeparate { curve: 0, at } });
+                    }
+                    _ => {}
                 }
-                let of_piece = match all.roster.faces[face.index()] {
-                    Face::Source(f) => piece.zone.zone.face(FaceId(f)).is_some(),
-                    Face::Piece(other, _) => other as usize == p,
-                };
-                if of_piece {
-                    // What the piece keeps is reached from what it removes.
-                    let at = self.place(all, face);
-                    return Err(Misfit { piece: p, why: RemeshError::DoesNotSeparate { curve: 0, at } });
-                }
-                dropped[face.index()] = true;
-                stack.extend((0..3).filter_map(|c| mesh.twin(HalfedgeId::of(face, c))).map(HalfedgeId::face));
             }
         }
-        Ok(dropped)
+        Ok(gone)
     }
 
-    /// Faces of the source beyond the zone of `piece`, across an edge of one that it has removed.
-    fn next_to_removed<'b>(&'b self, piece: &'b Piece<'a>) -> impl Iterator<Item = FaceId> + 'b {
-        let (mesh, zone) = (&self.source.mesh, &piece.zone.zone);
-        let removed = piece.remeshed.fates.iter().filter(|(level, _, fate)| (*level, *fate) == (0, Fate::Removed));
-        let removed = removed.map(|(_, code, _)| zone.faces[code.root_face(0).index()]);
-        removed
-            .flat_map(move |f| (0..3).filter_map(move |c| mesh.twin(HalfedgeId::of(f, c))))
-            .map(HalfedgeId::face)
-            .filter(move |&f| zone.face(f).is_none())
-    }
-
-    fn place(&self, all: &Assembly, face: FaceId) -> DVec3 {
-        let corners = all.mesh.face(face).map(|v| all.roster.point(self, v));
+    fn place(&self, face: FaceId) -> DVec3 {
+        let corners = self.source.mesh.face(face).map(|v| self.source.points[v.index()]);
         (corners[0] + corners[1] + corners[2]) / 3.0
     }
+}
+
+/// The first piece that, with those before it, leaves nothing.
+fn first_to_leave_nothing(gone: &[Vec<bool>]) -> Option<usize> {
+    let faces = gone.first()?.len();
+    let mut left = vec![true; faces];
+    gone.iter().position(|gone| {
+        left.iter_mut().zip(gone).for_each(|(left, gone)| *left &= !gone);
+        !left.contains(&true)
+    })
 }
 
 /// The mesh of some faces.

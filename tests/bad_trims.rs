@@ -1,0 +1,285 @@
+//! Curves that nothing can be trimmed by: each is refused by what it is, with the place, and the
+//! source is as it was.
+
+mod support;
+
+use core::f64::consts::TAU;
+use std::sync::Arc;
+
+use bevy_ecs::entity::Entity;
+use glam::{DVec2, DVec3};
+use selvedge::curve::{Curve, CurveError, CurveFault, FnCurve, Heading, Polyline, Segment};
+use selvedge::subdivision::remesh::{PreImageError, RemeshError};
+use selvedge::subdivision::{DetailOf, LoopSurface};
+use selvedge::tolerance::Tolerance;
+use selvedge::trim::{TrimFailed, TrimFault, TrimOptions};
+use selvedge::{Engine, TrimProgress};
+use support::plate::{TOLERANCE, circle, laid, plate, tolerance};
+use support::world::bits;
+
+/// A source of its own, and what came of trims of it.
+struct Stage {
+    engine: Engine,
+    source: Entity,
+    surface: LoopSurface,
+}
+
+impl Stage {
+    fn new() -> Self {
+        let (mut engine, surface) = (Engine::new(), plate());
+        let source = engine.spawn_surface(&surface);
+        Self { engine, source, surface }
+    }
+
+    fn trim(&mut self, curve: Arc<dyn Curve>, heading: Heading, tolerance: Option<Tolerance>) -> Entity {
+        let cut = [(self.engine.spawn_curve(curve), heading)];
+        self.engine.spawn_trim(self.source, &cut, tolerance, TrimOptions::default())
+    }
+
+    fn failure(&mut self, trim: Entity) -> TrimFailed {
+        self.engine.settle().expect("trims end");
+        match self.engine.trim_progress(trim) {
+            Some(TrimProgress::Failed(failed)) => failed,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// Nothing has come of it, and the source has its bits.
+    fn is_untouched(&mut self) {
+        let now = self.engine.surface(self.source).expect("gathered").expect("sound");
+        assert_eq!(bits(now), bits(&self.surface));
+        assert_eq!(self.engine.result(self.source), None);
+        let world = self.engine.world_mut();
+        assert_eq!(world.query::<&DetailOf>().iter(world).count(), 0);
+    }
+}
+
+fn flat(p: DVec2) -> DVec3 {
+    p.extend(0.0)
+}
+
+/// A closed curve over the plane, laid on the plate.
+fn on_plate(of: &LoopSurface, plane: impl Fn(f64) -> DVec2 + Send + Sync + 'static) -> Arc<dyn Curve> {
+    laid(of, FnCurve::new(move |u| flat(plane(u))).closed())
+}
+
+fn eight(u: f64) -> DVec2 {
+    DVec2::new(0.013 + 0.12 * (TAU * u).sin(), 0.007 + 0.06 * (2.0 * TAU * u).sin())
+}
+
+type Refused = fn(&TrimFault) -> bool;
+type Case = (&'static str, fn(&LoopSurface) -> Arc<dyn Curve>, Option<Tolerance>, Refused);
+
+fn within(fit: f64) -> Option<Tolerance> {
+    Some(Tolerance { fit, chord: TOLERANCE, curve: TOLERANCE })
+}
+
+fn cases() -> Vec<Case> {
+    let fine = tolerance();
+    vec![
+        (
+            "crosses itself",
+            |of| on_plate(of, eight),
+            fine,
+            |why| {
+                matches!(why, TrimFault::Remesh(RemeshError::PreImage { curve: 0, source: PreImageError::Crossing { curves: [0, 0], at, .. } })
+                if at.truncate().distance(DVec2::new(0.013, 0.007)) < 1e-3)
+            },
+        ),
+        (
+            "crosses itself in the pre-image alone",
+            |of| {
+                let on = on_plate(of, eight);
+                Arc::new(FnCurve::new(move |u| on.position(u) + 0.5e-3 * (TAU * u).cos() * DVec3::Z).closed())
+            },
+            Some(Tolerance { fit: 2e-3, chord: 2e-3, curve: 2e-3 }),
+            |why| {
+                matches!(why, TrimFault::Remesh(RemeshError::PreImage { curve: 0, source: PreImageError::Crossing { curves: [0, 0], at, .. } })
+                if at.truncate().distance(DVec2::new(0.013, 0.007)) < 1e-3)
+            },
+        ),
+        (
+            "is open where it must be closed",
+            |of| laid(of, Segment { start: flat(DVec2::new(-0.05, 0.0)), end: flat(DVec2::new(0.05, 0.01)) }),
+            fine,
+            |why| {
+                matches!(why, TrimFault::Remesh(RemeshError::PreImage { curve: 0, source: PreImageError::EndsInside { u: 0.0, at, gap } })
+                if at.x == -0.05 && (gap - 0.1).abs() < 2e-3)
+            },
+        ),
+        (
+            "comes in across the border and ends",
+            |of| laid(of, Segment { start: flat(DVec2::new(-0.5, 0.0)), end: flat(DVec2::new(0.05, 0.01)) }),
+            fine,
+            |why| {
+                matches!(why, TrimFault::Remesh(RemeshError::PreImage { curve: 0, source: PreImageError::EndsInside { u: 1.0, at, .. } })
+                if at.x == 0.05)
+            },
+        ),
+        (
+            "is not a number somewhere",
+            |_| Arc::new(FnCurve::new(|u| if u > 0.4 { DVec3::NAN } else { DVec3::X * 0.1 * u })),
+            fine,
+            |why| {
+                matches!(why, TrimFault::CurveFailed { first, .. }
+                if matches!(&**first, CurveFault::Evaluation { error: CurveError::NotFinite { u, .. }, .. } if (u - 0.4).abs() < 1e-12))
+            },
+        ),
+        (
+            "panics somewhere",
+            |_| Arc::new(FnCurve::new(|u: f64| if u > 0.4 { panic!("at {u}") } else { DVec3::X * 0.1 * u })),
+            fine,
+            |why| {
+                matches!(why, TrimFault::CurveFailed { first, .. }
+                if matches!(&**first, CurveFault::Evaluation { error: CurveError::Panicked { u, .. }, .. } if (u - 0.4).abs() < 1e-12))
+            },
+        ),
+        (
+            "has no length",
+            |_| Arc::new(FnCurve::new(|_| DVec3::new(0.01, 0.02, 0.0)).closed()),
+            fine,
+            |why| {
+                matches!(why, TrimFault::CurveFailed { first, .. }
+                if matches!(&**first, CurveFault::ZeroLength { from: 0.0, to: 1.0, at } if *at == DVec3::new(0.01, 0.02, 0.0)))
+            },
+        ),
+        (
+            "misses the surface",
+            |of| {
+                let on = circle(of, DVec2::ZERO, 0.05);
+                Arc::new(FnCurve::new(move |u| on.position(u) + DVec3::X).closed())
+            },
+            fine,
+            |why| matches!(why, TrimFault::Misses { curve: 0, distance, at, limit, .. } if *distance > 0.5 && at.x > 0.9 && *limit == TOLERANCE),
+        ),
+        (
+            "lies above the surface",
+            |of| {
+                let on = circle(of, DVec2::ZERO, 0.05);
+                Arc::new(FnCurve::new(move |u| on.position(u) + 0.01 * DVec3::Z).closed())
+            },
+            fine,
+            |why| {
+                matches!(why, TrimFault::Remesh(RemeshError::PreImage { curve: 0, source: PreImageError::TooFarOff { distance, .. } })
+                if (distance - 0.01).abs() < 2e-3)
+            },
+        ),
+        (
+            "has a cusp that is not declared",
+            |of| {
+                on_plate(of, |u| {
+                    let angle = TAU * (u - 0.5);
+                    0.04 * (1.0 - angle.cos()) * DVec2::from_angle(angle) + DVec2::new(0.01, 0.0)
+                })
+            },
+            fine,
+            |why| {
+                matches!(why, TrimFault::Remesh(RemeshError::Cusp { curve: 0, u, at, angle, .. })
+                if (u - 0.5).abs() < 1e-3 && at.truncate().distance(DVec2::new(0.01, 0.0)) < 1e-4 && *angle < 5.0)
+            },
+        ),
+        (
+            "has a corner like a needle",
+            |of| {
+                laid(
+                    of,
+                    Polyline::closed(vec![
+                        flat(DVec2::new(-0.1, 0.0)),
+                        flat(DVec2::new(0.1, 0.004)),
+                        flat(DVec2::new(0.1, -0.004)),
+                    ])
+                    .expect("three points"),
+                )
+            },
+            fine,
+            |why| {
+                matches!(why, TrimFault::Remesh(RemeshError::Cusp { curve: 0, at, angle, .. })
+                if at.truncate().distance(DVec2::new(-0.1, 0.0)) < 1e-9 && (angle - 2.29).abs() < 0.1)
+            },
+        ),
+        (
+            "is smaller than the tolerance",
+            |of| circle(of, DVec2::ZERO, 1e-6),
+            fine,
+            |why| matches!(why, TrimFault::TooSmall { curve: 0, size, tolerance, .. } if *size < 4e-6 && *tolerance == TOLERANCE),
+        ),
+        (
+            "tolerance is negative",
+            |of| circle(of, DVec2::ZERO, 0.05),
+            within(-1.0),
+            |why| matches!(why, TrimFault::BadNumber { value: -1.0, .. }),
+        ),
+        (
+            "tolerance is zero",
+            |of| circle(of, DVec2::ZERO, 0.05),
+            within(0.0),
+            |why| matches!(why, TrimFault::BadNumber { value: 0.0, .. }),
+        ),
+        (
+            "tolerance is not a number",
+            |of| circle(of, DVec2::ZERO, 0.05),
+            within(f64::NAN),
+            |why| matches!(why, TrimFault::BadNumber { value, .. } if value.is_nan()),
+        ),
+        (
+            "tolerance is below rounding",
+            |of| circle(of, DVec2::ZERO, 0.05),
+            within(1e-17),
+            |why| matches!(why, TrimFault::BelowRounding { value: 1e-17, limit, .. } if *limit < 1e-14),
+        ),
+    ]
+}
+
+#[test]
+fn every_bad_curve_is_refused_by_what_it_is_and_leaves_the_source_alone() {
+    for (name, curve, tolerance, refused) in cases() {
+        let mut stage = Stage::new();
+        let trim = stage.trim(curve(&stage.surface), Heading::Against, tolerance);
+        let failed = stage.failure(trim);
+        assert!(refused(&failed.why), "{name}: {:?}", failed.why);
+        assert_eq!(failed.with, None, "{name}");
+        stage.is_untouched();
+    }
+}
+
+/// Two trims along one line: the newer fails, names the older and the place, and the older stands.
+#[test]
+fn of_two_trims_along_one_curve_the_newer_fails_and_names_the_other() {
+    let square = |of: &LoopSurface, right: f64| {
+        let corners = [(-0.07, -0.05), (-0.07, 0.05), (right, 0.05), (right, -0.05)];
+        laid(of, Polyline::closed(corners.map(|(x, y)| flat(DVec2::new(x, y))).to_vec()).expect("a square"))
+    };
+    let turned = |of: &LoopSurface| {
+        let of = circle(of, DVec2::new(0.01, 0.0), 0.06);
+        Arc::new(FnCurve::new(move |u: f64| of.position((u + 0.377).fract())).closed()) as Arc<dyn Curve>
+    };
+    let round = |of: &LoopSurface| circle(of, DVec2::new(0.01, 0.0), 0.06);
+    let stage = Stage::new();
+    let of = &stage.surface;
+    let one = round(of);
+    let pairs = [
+        ("the very curve", Arc::clone(&one), one, Heading::Against),
+        ("a curve of the same shape", round(of), round(of), Heading::Against),
+        ("the other side of the curve", round(of), round(of), Heading::Along),
+        ("the same circle from elsewhere", round(of), turned(of), Heading::Against),
+        ("a square with three sides in common", square(of, 0.03), square(of, 0.06), Heading::Along),
+    ];
+    for (name, first, second, heading) in pairs {
+        let mut stage = Stage::new();
+        let older =
+            stage.trim(first, if name.contains("square") { Heading::Along } else { Heading::Against }, tolerance());
+        let newer = stage.trim(second, heading, tolerance());
+        let failed = stage.failure(newer);
+        assert_eq!(failed.with, Some(older), "{name}");
+        match failed.why {
+            TrimFault::Remesh(RemeshError::Coincident { curves: [0, 0], u, at, distance }) => {
+                assert!(distance < 1e-9 && u.iter().all(|u| (0.0..=1.0).contains(u)) && at.is_finite(), "{name}");
+            }
+            TrimFault::Remesh(RemeshError::Tangential { curves: [0, 0], at, angle, .. }) => {
+                assert!(angle < 1e-3 && at.is_finite(), "{name}: {angle}");
+            }
+            other => panic!("{name}: {other:?}"),
+        }
+        assert!(matches!(stage.engine.trim_progress(older), Some(TrimProgress::Finished(_))), "{name}");
+    }
+}
