@@ -4,6 +4,7 @@ mod address;
 mod border;
 pub mod boxspline;
 mod corner;
+mod deviation;
 mod entities;
 pub mod fit;
 mod lattice;
@@ -20,6 +21,7 @@ pub use corner::{CornerTable, Pull, SpecialCorner, interior_angle};
 pub use entities::{
     Cage, ControlPointIndex, ControlPointOf, ControlPoints, Detail, DetailLevel, DetailOf, Position, Sides, Snapshot,
 };
+pub use deviation::Deviation;
 pub use lattice::{Lattice, TooFine};
 pub use level::{
     GivenVertex, Kind, LevelMesh, LevelVertex, NONE, Origin, RingState, SideEnd, previous, sample as border_sample,

@@ -21,16 +21,18 @@ mod adapt;
 mod assemble;
 pub mod closure;
 mod forest;
+mod inner;
 mod measure;
-mod pyramid;
+mod names;
 mod reach;
 mod sample;
 mod system;
+mod vertices;
 
 use std::sync::Arc;
 
 use selvedge_components::budget::Budgets;
-use selvedge_components::subdivision::{CornerTable, FaceCode, LoopSurface};
+use selvedge_components::subdivision::{FaceCode, LoopSurface};
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::triangles::Triangles;
 pub use selvedge_components::triangulation::{
@@ -93,7 +95,6 @@ pub fn effective(options: &TriangulateOptions, tolerance: Option<&Tolerance>, bu
 /// A surface and what every pass over it reads.
 struct Subject<'a> {
     surface: &'a LoopSurface,
-    corners: CornerTable,
     limit: LimitSurface,
     reach: Reach,
 }
@@ -103,7 +104,6 @@ impl<'a> Subject<'a> {
         Ok(Self {
             // A copy of the control points and details: little beside the triangles they make.
             limit: LimitSurface::new(Arc::new(surface.clone())).map_err(unreadable)?,
-            corners: CornerTable::new(surface),
             reach: Reach::new(&surface.mesh, &surface.details),
             surface,
         })

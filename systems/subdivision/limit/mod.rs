@@ -143,6 +143,21 @@ impl LimitSurface {
         kept.is_none_or(|kept| kept.unsettled.binary_search(&code).is_err())
     }
 
+    /// The polynomial that is the whole of the face `code` of `level`, with the level of the face that
+    /// is its domain, `code` itself or an ancestor; `None` where there is no such polynomial, or none
+    /// that is kept.
+    pub fn quartic(&self, level: u32, code: FaceCode) -> Option<(u32, Quartic)> {
+        let mut face = code.root_face(level).0;
+        for (l, kept) in (0..=level).zip(&self.levels) {
+            match *kept.faces.get(face as usize)? {
+                Face::Regular(net) => return Some((l, kept.quartic(net))),
+                Face::Children(first) if l < level => face = first + (code.0 >> (2 * (level - l - 1)) & 3) as u32,
+                Face::Children(_) | Face::Patch => return None,
+            }
+        }
+        None
+    }
+
     /// The finest kept face at a place, and the way there.
     #[inline]
     fn find(&self, at: SurfacePoint) -> Option<(Found<'_>, Descent)> {
