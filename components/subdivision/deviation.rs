@@ -94,7 +94,8 @@ impl Deviation {
 /// At least the greatest length of `w0 w1 q_01 + w1 w2 q_12 + w2 w0 q_20`, and that where all `q` are
 /// parallel: along the longest of them, and across it by lengths alone.
 fn peak(bulges: [DVec3; 3]) -> f64 {
-    let longest = bulges.into_iter().fold(DVec3::ZERO, |a, b| if b.length_squared() > a.length_squared() { b } else { a });
+    let longest =
+        bulges.into_iter().fold(DVec3::ZERO, |a, b| if b.length_squared() > a.length_squared() { b } else { a });
     let direction = longest.normalize_or_zero();
     let along = bulges.map(|q| q.dot(direction));
     let across: [f64; 3] = core::array::from_fn(|e| (bulges[e] - direction * along[e]).length());

@@ -18,10 +18,10 @@ mod surface;
 
 pub use address::{Address, FINEST_LEVEL, FaceCode};
 pub use corner::{CornerTable, Pull, SpecialCorner, interior_angle};
+pub use deviation::Deviation;
 pub use entities::{
     Cage, ControlPointIndex, ControlPointOf, ControlPoints, Detail, DetailLevel, DetailOf, Position, Sides, Snapshot,
 };
-pub use deviation::Deviation;
 pub use lattice::{Lattice, TooFine};
 pub use level::{
     GivenVertex, Kind, LevelMesh, LevelVertex, NONE, Origin, RingState, SideEnd, previous, sample as border_sample,

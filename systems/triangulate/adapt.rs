@@ -18,6 +18,7 @@ use super::measure::{Facet, Over};
 use super::sample::{Farthest, Grid, Piece, Place, Sampled};
 use super::{ChordReport, Subject, TriangulateError, TriangulateOptions, Triangulation, within_budget};
 use crate::parallel::map_in_order;
+use crate::subdivision::limit::Cover;
 
 /// A leaf that is sampled passes where fifteen points find it closer than this part of the chord.
 ///
@@ -96,7 +97,7 @@ impl Growth<'_> {
     /// polynomial all of them, elsewhere the leaf alone.
     fn too_far(&self, place: Place) -> Result<Vec<Place>, TriangulateError> {
         let mut too_far = Vec::new();
-        if let Some((base, quartic)) = self.subject.limit.quartic(place.level, place.code) {
+        if let Cover::Quartic(base, quartic) = self.subject.limit.cover(place.level, place.code) {
             self.descend(&quartic, base, place, &mut too_far)?;
         } else if self.is_sampled_too_far(place)? {
             too_far.push(place);
@@ -215,7 +216,7 @@ fn check(subject: &Subject, assembly: &Assembly, chord: f64) -> Vec<Farthest> {
 /// No point of a leaf is farther from its triangles than this, or the other way round; infinite where no
 /// polynomial tells.
 fn bound(subject: &Subject, assembly: &Assembly, leaf: &Leaf) -> f64 {
-    let Some((base, quartic)) = subject.limit.quartic(leaf.place.level, leaf.place.code) else {
+    let Cover::Quartic(base, quartic) = subject.limit.cover(leaf.place.level, leaf.place.code) else {
         return f64::INFINITY;
     };
     let (deviation, first) = Inner::new(leaf.place, base).deviation(&quartic);

@@ -170,7 +170,8 @@ impl Assembly {
     pub fn finish(self) -> Triangulation {
         let positions = &self.triangles.positions;
         let shapes = self.triangles.triangles.iter().map(|t| shape(t.map(|v| positions[v as usize])));
-        let mut report = TriangulationReport { worst_shape: shapes.fold(f64::INFINITY, f64::min), ..Default::default() };
+        let mut report =
+            TriangulationReport { worst_shape: shapes.fold(f64::INFINITY, f64::min), ..Default::default() };
         for leaf in &self.leaves {
             let level = leaf.place.level as usize;
             report.leaves.resize(report.leaves.len().max(level + 1), 0);

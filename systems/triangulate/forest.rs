@@ -86,9 +86,7 @@ impl Forest {
     /// Goes through all that stands on a root face, along the paths of quarters.
     pub fn walk(&self, root: FaceId, mut visit: impl FnMut(Node)) {
         let code = FaceCode::root(root);
-        let begin = |(level, split): (usize, &Vec<FaceCode>)| {
-            split.partition_point(|f| f.0 >> (2 * level) < code.0)
-        };
+        let begin = |(level, split): (usize, &Vec<FaceCode>)| split.partition_point(|f| f.0 >> (2 * level) < code.0);
         let mut next: Vec<usize> = self.split.iter().enumerate().map(begin).collect();
         let n = 1 << self.finest();
         self.walk_on(&mut next, Tile { level: 0, code, corners: [(0, 0), (n, 0), (0, n)] }, &mut visit);

@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 use selvedge_components::evaluate::{Evaluate, SurfacePoint};
-use selvedge_components::subdivision::boxspline::Quartic;
 use selvedge_components::mesh::HalfedgeId;
 use selvedge_components::subdivision::FaceCode;
 use smallvec::SmallVec;
@@ -11,6 +10,7 @@ use super::Subject;
 use super::inner::Inner;
 use super::measure::squared_to_segment;
 use crate::foot;
+use crate::subdivision::limit::Cover;
 
 /// Where a leaf is sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,7 +97,9 @@ const INSIDE: [[f64; 3]; 7] = {
 pub struct Sampled<'a> {
     subject: &'a Subject<'a>,
     place: Place,
-    quartic: Option<(Quartic, [[f64; 2]; 3])>,
+    cover: Cover<'a>,
+    /// Its corners in the domain of the polynomial that covers it.
+    inner: [[f64; 2]; 3],
     corners: [DVec3; 3],
     borders: [bool; 3],
 }
@@ -106,11 +108,10 @@ impl<'a> Sampled<'a> {
     /// The face at `place`.
     pub fn new(subject: &'a Subject<'a>, place: Place) -> Self {
         let Place { level, code } = place;
-        let quartic = subject.limit.quartic(level, code).map(|(base, quartic)| {
-            let inner = Inner::new(place, base);
-            (quartic, inner.corners())
-        });
-        let mut sampled = Self { subject, place, quartic, corners: [DVec3::ZERO; 3], borders: borders(subject, place) };
+        let cover = subject.limit.cover(level, code);
+        let inner = if let Cover::Quartic(base, _) = cover { Inner::new(place, base).corners() } else { [[0.0; 2]; 3] };
+        let borders = borders(subject, place);
+        let mut sampled = Self { subject, place, cover, inner, corners: [DVec3::ZERO; 3], borders };
         sampled.corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|w| sampled.position(w));
         sampled
     }
@@ -134,7 +135,7 @@ impl<'a> Sampled<'a> {
             farthest.see(x, on_border(x, w, self.borders, self.corners).unwrap_or_else(|| near(x)));
         };
         weights.iter().for_each(|&w| see(w));
-        if self.quartic.is_none() {
+        if let Cover::Levels = self.cover {
             self.moved_points(see);
         }
         farthest
@@ -164,12 +165,13 @@ impl<'a> Sampled<'a> {
     }
 
     fn position(&self, weights: [f64; 3]) -> DVec3 {
-        match &self.quartic {
-            Some((quartic, corners)) => {
-                let [s, t] = [0, 1].map(|k| (0..3).map(|c| weights[c] * corners[c][k]).sum());
+        match &self.cover {
+            Cover::Quartic(_, quartic) => {
+                let [s, t] = [0, 1].map(|k| (0..3).map(|c| weights[c] * self.inner[c][k]).sum());
                 quartic.position(s, t)
             }
-            None => self.subject.limit.position(self.on_root(weights)),
+            Cover::Patch(patch) => patch.clone().position(weights),
+            Cover::Levels => self.subject.limit.position(self.on_root(weights)),
         }
     }
 

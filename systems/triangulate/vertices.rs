@@ -36,7 +36,8 @@ pub fn evaluate(subject: &Subject, names: &Names, normals: Normals) -> Triangles
             let e = EdgeId::new(e);
             names.on_edge(e).iter().map(move |&steps| edge_origin(mesh, e, steps, names.n))
         });
-        let inside = names.inside(face).iter().map(|&(i, j)| SurfacePoint::new(face, part(i, names.n), part(j, names.n)));
+        let inside =
+            names.inside(face).iter().map(|&(i, j)| SurfacePoint::new(face, part(i, names.n), part(j, names.n)));
         let of = |origins: &mut dyn Iterator<Item = SurfacePoint>| -> Vec<Vertex> {
             origins.map(|origin| evaluator.vertex(origin, normals)).collect()
         };

@@ -104,7 +104,7 @@ impl<'a> Patch<'a> {
     }
 
     /// One of the four quarters: 0 to 2 hold the corner of that number, 3 is the middle one.
-    fn quarter(&self, child: usize) -> Self {
+    pub fn quarter(&self, child: usize) -> Self {
         let scheme = self.scheme;
         let vertices = [0, 1, 2].map(|c| self.rings[c].vertex_point());
         let middles = [0, 1, 2].map(|c| self.rings[c].spoke_point(scheme, self.at[c]));
@@ -152,6 +152,11 @@ impl<'a> Patch<'a> {
     /// Does a border run along the edge from corner `c` to the next?
     fn is_border_edge(&self, c: usize) -> bool {
         self.at[c] == 0 && self.rings[c].border().is_some()
+    }
+
+    /// The polynomial that is the whole face, where there is one.
+    pub fn quartic(&self) -> Option<Quartic> {
+        self.net().map(|net| Quartic::new(&net))
     }
 
     /// The control points, where the surface over the face is one polynomial.

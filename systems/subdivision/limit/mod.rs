@@ -158,6 +158,27 @@ impl LimitSurface {
         None
     }
 
+    /// What evaluates the face `code` of `level`, and nothing beside it.
+    pub fn cover(&self, level: u32, code: FaceCode) -> Cover<'_> {
+        let child = |l: u32| (code.0 >> (2 * (level - l - 1)) & 3) as usize;
+        let mut face = code.root_face(level).0;
+        for (l, kept) in (0..=level).zip(&self.levels) {
+            let patch = || {
+                let scheme = Scheme { surface: &self.surface, corners: &self.corners };
+                Patch::of(scheme, &kept.level.mesh, &kept.level.state, face)
+            };
+            match kept.faces.get(face as usize) {
+                None => break,
+                Some(Face::Children(first)) if l < level => face = first + child(l) as u32,
+                Some(Face::Children(_)) if self.is_settled(level, code) => return Cover::Patch(patch()),
+                Some(Face::Children(_)) => break,
+                Some(&Face::Regular(net)) => return Cover::Quartic(l, kept.quartic(net)),
+                Some(Face::Patch) => return Cover::below(patch(), l, (l..level).map(child)),
+            }
+        }
+        Cover::Levels
+    }
+
     /// The finest kept face at a place, and the way there.
     #[inline]
     fn find(&self, at: SurfacePoint) -> Option<(Found<'_>, Descent)> {
@@ -175,6 +196,34 @@ impl LimitSurface {
             }
         }
         None
+    }
+}
+
+/// What evaluates a face of the hierarchy.
+#[expect(clippy::large_enum_variant, reason = "made once per face, on the stack")]
+#[derive(Clone, Debug)]
+pub enum Cover<'a> {
+    /// One polynomial, over the face itself or over an ancestor: the level of that.
+    Quartic(u32, Quartic),
+    /// The rings of its corners.
+    Patch(Patch<'a>),
+    /// Finer levels, that details reach.
+    Levels,
+}
+
+impl<'a> Cover<'a> {
+    /// Goes `way` down from `patch`, a face of `level`, until one polynomial is all that there is.
+    fn below(mut patch: Patch<'a>, level: u32, way: impl Iterator<Item = usize>) -> Self {
+        for (l, child) in (level..).zip(way) {
+            if let Some(quartic) = patch.quartic() {
+                return Self::Quartic(l, quartic);
+            }
+            patch = patch.quarter(child);
+            if let Some(quartic) = patch.quartic() {
+                return Self::Quartic(l + 1, quartic);
+            }
+        }
+        Self::Patch(patch)
     }
 }
 
