@@ -38,7 +38,7 @@ pub fn adapt(subject: &Subject, chord: f64, options: &TriangulateOptions) -> Res
         grow(subject, &mut forest, new, chord, options)?;
         let assembly = assemble(subject, &forest, options.normals)?;
         within_budget(assembly.triangle_count(), options)?;
-        let found = check(subject, &assembly, chord);
+        let found = check(subject, &assembly, chord, options.last_level);
         let mut too_far = failing(&assembly, &found, chord);
         let stuck = too_far.get(options.last_level as usize).map_or(0, Vec::len);
         too_far.truncate(options.last_level as usize);
@@ -182,18 +182,22 @@ const AT_A_TIME: [usize; 2] = [64, 1024];
 /// The leaves are gone through from the greatest bound down, until what is left can neither be too far
 /// nor be the farthest. Of those that no polynomial bounds the distance to their own triangles decides;
 /// where it is the greatest so far, or too far, that to all triangles around.
-fn check(subject: &Subject, assembly: &Assembly, chord: f64) -> Vec<Farthest> {
+///
+/// Leaves that a polynomial leaves in doubt come first, since they are cheap: if one of them is to be
+/// quartered the rest waits for the next forest.
+fn check(subject: &Subject, assembly: &Assembly, chord: f64, last_level: u32) -> Vec<Farthest> {
     let leaves = &assembly.leaves;
     let bounds = map_in_order(leaves.len(), |i| bound(subject, assembly, &leaves[i]));
     let mut order: Vec<usize> = (0..leaves.len()).collect();
-    order.sort_by(|&a, &b| bounds[b].total_cmp(&bounds[a]));
+    let turn = |bound: f64| if bound <= chord { 2 } else { u8::from(bound == f64::INFINITY) };
+    order.sort_by(|&a, &b| turn(bounds[a]).cmp(&turn(bounds[b])).then(bounds[b].total_cmp(&bounds[a])));
     let (around, weights) = (assembly.around(), Grid::Ninths.weights());
     let mut found = vec![Farthest::default(); leaves.len()];
-    let mut most = 0.0_f64;
+    let (mut most, mut again) = (0.0_f64, false);
     let (first, rest) = order.split_at(order.len().min(AT_A_TIME[0]));
     for some in core::iter::once(first).chain(rest.chunks(AT_A_TIME[1])) {
         let enough = most.min(chord);
-        if bounds[some[0]] <= enough {
+        if bounds[some[0]] <= enough || (again && bounds[some[0]] == f64::INFINITY) {
             break;
         }
         let measured = map_in_order(some.len(), |i| {
@@ -207,6 +211,7 @@ fn check(subject: &Subject, assembly: &Assembly, chord: f64) -> Vec<Farthest> {
         });
         for (&i, measured) in some.iter().zip(measured) {
             most = most.max(measured.squared.sqrt());
+            again |= is_beyond(&measured, chord) && leaves[i].place.level < last_level;
             found[i] = measured;
         }
     }
