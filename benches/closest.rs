@@ -2,15 +2,21 @@
 
 #[path = "../tests/support/draw.rs"]
 mod draw;
+#[path = "support/mod.rs"]
+mod meshes;
 #[path = "../tests/support/mod.rs"]
 mod support;
 
 use std::hint::black_box;
+use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use draw::{Draw, add_details, ball};
 use glam::DVec3;
+use selvedge::io::{Cage, Limits, read_cage};
+use selvedge::scenes::limit::spot;
 use selvedge_components::evaluate::{Evaluate, SurfacePoint};
 use selvedge_components::subdivision::LoopSurface;
 use selvedge_systems::closest::SurfaceIndex;
@@ -25,11 +31,21 @@ fn surfaces() -> Vec<(&'static str, LoopSurface)> {
     let (points, triangles) = ball(60, 7);
     let mut detailed = support::octant("cone(1,2)");
     add_details(&mut detailed, 4, 1e-3, 5);
+    let plate = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/plates/plate32.obj");
+    let plate = read_cage(&plate, &Limits::default()).expect("it is one of the engine's own");
+    let torus = meshes::torus(100, 50, meshes::Cut::Regular);
     vec![
         ("ball", support::plain(points, &triangles)),
         ("octant", support::octant("cone(1,2)")),
         ("detailed octant", detailed),
+        ("plate32", of_cage(&plate)),
+        ("torus of 10 000 faces", support::plain(torus.points, &torus.faces)),
+        ("spot", of_cage(&spot().expect("it is built in"))),
     ]
+}
+
+fn of_cage(cage: &Cage) -> LoopSurface {
+    support::plain(cage.positions.clone(), &cage.triangles)
 }
 
 fn closest(c: &mut Criterion) {
@@ -37,6 +53,7 @@ fn closest(c: &mut Criterion) {
         let index = index(surface);
         let limit = Arc::clone(index.surface());
         let mut group = c.benchmark_group(name);
+        group.sample_size(10).warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_millis(500));
         group.bench_function("index", |b| b.iter(|| SurfaceIndex::new(Arc::clone(&limit))));
         let mut draw = Draw(1);
         let places: Vec<SurfacePoint> = (0..1024).map(|_| draw.place(limit.face_count())).collect();

@@ -21,8 +21,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     rows.iter().flat_map(TrimRow::lines).for_each(|line| println!("{line}"));
     std::fs::create_dir_all("out")?;
-    let view = View::from_angles(-70.0, 34.0);
-    views::figure(&adaptive, &view, Frame::new(900, 600))?.save("out/hubcap_views.png")?;
+    let view = View::from_angles(-70.0, 46.0);
+    views::figure(&adaptive, &view, Frame::new(900, 720))?.save("out/hubcap_views.png")?;
     stages::figure(&adaptive)?.save("out/hubcap_stages.png")?;
     errors::maps(&adaptive, &errors::MapStyle::above(3))?.save("out/hubcap_errors.png")?;
     let ladders = [("everywhere to level 3", &all), ("within 1 \u{b5}m", &adaptive)];

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! The plate is refitted as a cage of `CAGE` by `CAGE` squares, which is not timed; then it is spawned,
-//! bored, triangulated and audited in an engine, to `EPS` in all. `cpu` lines are processor seconds of
+//! bored, triangulated and audited in an engine, to `EPS` in all. `-` for a file is a plate of the same
+//! waves, or one bore in its middle. `cpu` lines are processor seconds of
 //! all threads together. With `trim` nothing is triangulated.
 #![expect(clippy::print_stdout, reason = "its output is what it is for")]
 
@@ -30,6 +31,7 @@ fn main() {
 #[cfg(unix)]
 mod peer {
     use std::error::Error;
+    use std::f64::consts::TAU;
     use std::sync::Arc;
     use std::time::{Duration, Instant};
 
@@ -68,7 +70,22 @@ mod peer {
     const SIZE: f64 = 0.4;
 
     impl Plate {
+        /// The waves at the abscissae of a net of 20 by 20.
+        fn waves() -> Self {
+            const N: usize = 20;
+            let knots: Vec<f64> = (0..N + 4).map(|k| (k.clamp(3, N) - 3) as f64 / (N - 3) as f64).collect();
+            let at = |i: usize| (knots[i + 1] + knots[i + 2] + knots[i + 3]) / 3.0;
+            let turns = |x: f64| (TAU * x).sin_cos();
+            let wave =
+                |x: f64, y: f64| 0.010 * turns(2.0 * x).0 * turns(1.5 * y).1 + 0.002 * turns(4.3 * x + 2.1 * y).0;
+            let heights = (0..N * N).map(|k| wave(at(k / N), at(k % N))).collect();
+            Self { heights, counts: [N, N], knots: [knots.clone(), knots] }
+        }
+
         pub fn read(path: &str) -> Result<Self, Box<dyn Error>> {
+            if path == "-" {
+                return Ok(Self::waves());
+            }
             let text = std::fs::read_to_string(path)?;
             let mut numbers = text.split_ascii_whitespace().map(str::parse::<f64>);
             let mut next = || numbers.next().ok_or("the plate's file is too short")?.map_err(Box::<dyn Error>::from);
@@ -84,7 +101,9 @@ mod peer {
             }
             let mut heights = Vec::new();
             for _ in 0..n * m {
-                (next()?, next()?);
+                // Its place in the plane, which is known.
+                next()?;
+                next()?;
                 heights.push(next()?);
             }
             Ok(Self { knots, counts: [n, m], heights })
@@ -144,6 +163,9 @@ mod peer {
     }
 
     pub fn read_bores(path: &str) -> Result<Vec<Bore>, Box<dyn Error>> {
+        if path == "-" {
+            return Ok(vec![[0.5 * SIZE, 0.5 * SIZE, SIZE / 8.0]]);
+        }
         let text = std::fs::read_to_string(path)?;
         let bore = |line: &str| -> Result<Bore, Box<dyn Error>> {
             let numbers: Vec<f64> = line.split_ascii_whitespace().map(str::parse).collect::<Result<_, _>>()?;
@@ -215,6 +237,8 @@ mod peer {
         }
         let reports: Vec<&TrimReport> = trims.iter().filter_map(|&t| world.get(t)).collect();
         let failed = trims.iter().filter(|&&t| world.get::<TrimFailed>(t).is_some()).count();
+        let failures = trims.iter().filter_map(|&trim| world.get::<TrimFailed>(trim));
+        failures.for_each(|failed| println!("failure {failed}"));
         let greatest = reports.iter().map(|r| r.audit.greatest().0).fold(0.0, f64::max);
         let together = reports.iter().map(|r| r.together.len()).max().unwrap_or(0);
         println!("failed {failed}\nachieved_um {:.3}\nlargest_group {together}", greatest * 1e6);

@@ -612,3 +612,27 @@ proptest! {
         }
     }
 }
+
+/// A face fills the pixels that it covers, seen along the mean normal with y up, and nothing else.
+#[test]
+fn a_domain_diagram_is_seen_along_the_mean_normal() {
+    use selvedge::diagram::colour::palette;
+    use selvedge::diagram::domain::Domain;
+    // A unit square in a tilted plane, cut by its diagonal.
+    let tilt = glam::DQuat::from_rotation_x(0.7);
+    let [a, b, c, d] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| tilt * DVec3::new(x, y, 0.0));
+    let faces = [[a, b, c], [a, c, d]];
+    let mut page = Domain::new(&faces, 200).expect("a page");
+    let at = |page: &Domain, p: DVec3| page.pixel(p).expect("a place in front");
+    let (across, up) = (at(&page, b) - at(&page, a), at(&page, d) - at(&page, a));
+    assert!((across.length() - up.length()).abs() < 1e-9, "not foreshortened: {across} and {up}");
+    assert!(across.x > 0.0 && across.y.abs() < 1e-9 && up.y < 0.0, "y is up: {across} and {up}");
+    page.fill(&faces[..1], palette::RED);
+    let inside = |page: &Domain, weights: [f64; 3], face: [DVec3; 3]| {
+        let p = at(page, face[0] * weights[0] + face[1] * weights[1] + face[2] * weights[2]);
+        page.canvas().pixel(p.x as u32, p.y as u32)
+    };
+    assert_eq!(inside(&page, [0.3, 0.4, 0.3], faces[0]), Some(palette::RED.rgb));
+    assert_eq!(inside(&page, [0.3, 0.3, 0.4], faces[1]), Some(palette::PAPER.rgb));
+    assert!(Domain::new(&[[a, a, a]], 200).is_err(), "no normal");
+}

@@ -150,14 +150,6 @@ pub enum RemeshError {
         /// How many it may have.
         limit: usize,
     },
-    /// What lies on the left of a curve is taken away by another.
-    #[error("nothing stays on the left of curve {curve}: the part at {at} lies on the right of another curve")]
-    NothingOnLeft {
-        /// The curve, by index.
-        curve: usize,
-        /// A point of the part on its left.
-        at: DVec3,
-    },
     /// Two curves cross, but do not meet: where they come nearest they are too far apart.
     #[error("curves {} and {} cross at {at}, u = {} and {}, but pass {gap} apart there: more than {limit}", .curves[0], .curves[1], .u[0], .u[1])]
     Gap {
@@ -170,6 +162,35 @@ pub enum RemeshError {
         /// Their distance, in model units.
         gap: f64,
         /// The greatest that is allowed.
+        limit: f64,
+    },
+    /// A curve leaves the source across a border, but does not meet it: where they come nearest they
+    /// are too far apart.
+    #[error("curve {curve} crosses the border at {at}, u = {u}, but passes {gap} from it: more than {limit}")]
+    BorderGap {
+        /// The curve, by index.
+        curve: usize,
+        /// Its parameter.
+        u: f64,
+        /// The border's point.
+        at: DVec3,
+        /// Their distance, in model units.
+        gap: f64,
+        /// The greatest that is allowed.
+        limit: f64,
+    },
+    /// A curve leaves the source across a border at so small an angle that no triangle fits between.
+    #[error("curve {curve} crosses the border at {at}, u = {u}, at an angle of {angle} degrees: less than {limit}")]
+    AlongBorder {
+        /// The curve, by index.
+        curve: usize,
+        /// Its parameter.
+        u: f64,
+        /// The border's point.
+        at: DVec3,
+        /// The angle, in degrees.
+        angle: f64,
+        /// The smallest that is allowed.
         limit: f64,
     },
     /// Two curves cross at so small an angle that no triangle fits between them, or run along each

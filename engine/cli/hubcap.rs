@@ -111,7 +111,7 @@ fn draw(out: &Path, scene: &Scene, settings: &Settings, surface: &LoopSurface) -
     if trimmed.surface.details != surface.details {
         return Err("the engine and its kernels have come to different details".into());
     }
-    views::figure(&trimmed, &View::from_angles(-70.0, 34.0), Frame::new(900, 600))?.save(out.join("hubcap.png"))?;
+    views::figure(&trimmed, &View::from_angles(-70.0, 46.0), Frame::new(900, 720))?.save(out.join("hubcap.png"))?;
     stages::figure(&trimmed)?.save(out.join("hubcap_stages.png"))?;
     errors::maps(&trimmed, &errors::MapStyle::above(2))?.save(out.join("hubcap_errors.png"))?;
     errors::ladder("hubcap of 0.4 m", &[("within 1 \u{b5}m", &trimmed)])?.save(out.join("hubcap_ladder.png"))?;

@@ -51,7 +51,12 @@ pub fn figure(fit: &OctantFit) -> Result<Canvas, DiagramError> {
     Grid::new(3, 20.0).lettered().compose(&cells)
 }
 
-/// The distance to the sphere after each of levels 0 to 5, each in colours of its own. [Fig. 7]
+/// Decades of error that a map shows: at the finer levels the mean is a thousandth of the greatest,
+/// and half of the surface lies below the mean.
+const DECADES: i32 = 4;
+
+/// The distance to the sphere after each of levels 0 to 5, each on a logarithmic scale that ends with
+/// its own greatest. [Fig. 7]
 ///
 /// # Errors
 /// As the drawing.
@@ -60,8 +65,9 @@ pub fn error_maps(fit: &OctantFit) -> Result<Canvas, DiagramError> {
     let mut cells = Vec::new();
     for (map, level) in fit.maps.iter().skip(1).zip(&fit.row.levels) {
         let mesh = triangles(map);
-        let most = map.errors.iter().copied().fold(0.0, f64::max);
-        let scale = ColourScale::new(0.0, most.max(f64::MIN_POSITIVE))?.titled("distance");
+        // A map without any error still has a scale.
+        let most = map.errors.iter().copied().fold(f64::EPSILON, f64::max);
+        let scale = ColourScale::new(most * 0.1_f64.powi(DECADES), most)?.logarithmic()?.titled("distance");
         let surface = Surface::new(&mesh).painted(Paint::Values(&map.errors, &scale));
         let picture = Scene::of(surface).picture(&view(), frame)?;
         let caption = format!("level {}: at most {}", level.level, Quantity::Length.label(level.max_m, 3));

@@ -10,17 +10,45 @@ pub fn whole(mesh: &Connectivity, level: u32) -> Vec<FaceCode> {
 
 /// `N(T)` of [Litke et al. 2001, Section 3.3]: all faces that share a vertex with one of `faces`.
 pub fn neighbourhood(mesh: &Connectivity, level: u32, faces: &[FaceCode]) -> Vec<FaceCode> {
-    if faces.len() as u64 == (mesh.face_count() as u64) << (2 * level) {
+    let all = (mesh.face_count() as u64) << (2 * level);
+    if faces.len() as u64 == all {
         return faces.to_vec();
     }
+    // A face has twelve around it. Marking them is cheaper than sorting them as long as the marks of
+    // all faces of the level fit into about as many words.
+    if all <= 1024 * faces.len() as u64 {
+        let mut marks = vec![0_u64; all.div_ceil(64) as usize];
+        around(mesh, level, faces, |f| marks[(f.0 / 64) as usize] |= 1 << (f.0 % 64));
+        return marked(&marks);
+    }
     let mut grown = Vec::with_capacity(13 * faces.len());
+    around(mesh, level, faces, |f| grown.push(f));
+    ascending(grown)
+}
+
+/// Calls `see` with every one of `faces` and every face that shares a vertex with it, some of them
+/// more than once.
+fn around(mesh: &Connectivity, level: u32, faces: &[FaceCode], mut see: impl FnMut(FaceCode)) {
     for &face in faces {
-        grown.push(face);
+        see(face);
         for corner in 0..3 {
-            fan(mesh, level, face, corner, &mut grown);
+            around_corner(mesh, level, face, corner, &mut see);
         }
     }
-    ascending(grown)
+}
+
+/// The faces whose bits are set, ascending.
+fn marked(marks: &[u64]) -> Vec<FaceCode> {
+    let count = marks.iter().map(|word| word.count_ones() as usize).sum();
+    let mut faces = Vec::with_capacity(count);
+    for (base, &word) in (0_u64..).step_by(64).zip(marks) {
+        let mut left = word;
+        while left != 0 {
+            faces.push(FaceCode(base + u64::from(left.trailing_zeros())));
+            left &= left - 1;
+        }
+    }
+    faces
 }
 
 /// The parents of `faces`.
@@ -49,12 +77,16 @@ pub fn ascending(mut faces: Vec<FaceCode>) -> Vec<FaceCode> {
 
 /// Adds the other faces around one corner of `face`.
 pub fn fan(mesh: &Connectivity, level: u32, face: FaceCode, corner: usize, out: &mut Vec<FaceCode>) {
+    around_corner(mesh, level, face, corner, &mut |f| out.push(f));
+}
+
+fn around_corner(mesh: &Connectivity, level: u32, face: FaceCode, corner: usize, see: &mut impl FnMut(FaceCode)) {
     let mut at = (face, corner);
     while let Some(next) = at.0.across(mesh, level, (at.1 + 2) % 3) {
         if next.0 == face {
             return;
         }
-        out.push(next.0);
+        see(next.0);
         at = next;
     }
     // A border was met: the rest of the fan lies the other way round.
@@ -63,7 +95,7 @@ pub fn fan(mesh: &Connectivity, level: u32, face: FaceCode, corner: usize, out: 
         if next == face {
             return;
         }
-        out.push(next);
+        see(next);
         at = (next, (twin + 1) % 3);
     }
 }
@@ -113,6 +145,22 @@ mod tests {
     use selvedge_components::mesh::FaceId;
 
     use super::*;
+
+    /// However the faces around some are found, they are the same ones.
+    #[test]
+    fn marks_and_sorting_find_the_same_neighbourhood() {
+        // An octahedron.
+        let faces = [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
+        let mesh = Connectivity::new(6, &faces).expect("an octahedron");
+        for level in 1..7 {
+            let all = 8_u64 << (2 * level);
+            let some: Vec<FaceCode> = (0..all).step_by(97).map(FaceCode).collect();
+            let mut by_sorting = Vec::new();
+            around(&mesh, level, &some, |f| by_sorting.push(f));
+            assert_eq!(neighbourhood(&mesh, level, &some), ascending(by_sorting));
+            assert!(neighbourhood(&mesh, level, &some[..1]).len() <= 13);
+        }
+    }
 
     /// Descending to a lattice point ends at a face that has it as the corner named.
     #[test]

@@ -38,6 +38,8 @@ pub struct Slider {
     pub t: f64,
     /// The ends of its rim edge; `None` for a corner, which stays.
     pub base: Option<[DVec3; 2]>,
+    /// The length of the rim that it sees.
+    pub width: f64,
 }
 
 /// The curve's parameter of travel parameter `t`: on a closed curve in [0, 1).
@@ -68,6 +70,10 @@ pub fn relax(curve: &dyn Curve, heading: Heading, knots: &mut [Slider], options:
             // The middle part, less what lies nearer to a neighbour than the least gap.
             let edge = edge.max(gap[i].min(0.5 * (after - before)));
             let (low, high) = (before + edge, after - edge);
+            if low > high || low.is_nan() || high.is_nan() {
+                // Its neighbours have lost their order, which no list of parameters will take.
+                continue;
+            }
             let mut t = old[i];
             for _ in 0..NEWTON {
                 let f = (0.5 * (q + r) - point(t)).dot(q - r);
@@ -81,22 +87,33 @@ pub fn relax(curve: &dyn Curve, heading: Heading, knots: &mut [Slider], options:
     }
 }
 
-/// By knot, the least gap to its neighbours: a part of the mean gap between the two corners that it
-/// lies between. A rim that bends round a corner would draw one knot after the other into it.
+/// By knot, the least gap to its neighbours: a part of the gap that suits the rim beside it, for all
+/// of them to fill the way between the two corners. A rim that bends round a corner would draw one
+/// knot after the other into it.
 fn least_gaps(knots: &[Slider], options: RelaxOptions) -> Vec<f64> {
     let n = knots.len();
     let fixed: Vec<usize> = (0..n).filter(|&i| knots[i].base.is_none()).collect();
     let share = 0.5 * (1.0 - options.middle);
-    if fixed.is_empty() {
-        return vec![share / n as f64; n];
-    }
+    let gap = |i: usize| 0.5 * (knots[i % n].width + knots[(i + 1) % n].width);
+    // The way to fill, from knot to knot; all round where no corner divides it.
+    let ways: Vec<(usize, usize, f64)> = match fixed.as_slice() {
+        [] => vec![(0, n, 1.0)],
+        fixed => (0..fixed.len())
+            .map(|k| {
+                let (from, to) = (fixed[k], fixed[(k + 1) % fixed.len()]);
+                let round = k + 1 == fixed.len();
+                let count = if round { to + n - from } else { to - from };
+                (from, count, knots[to].t - knots[from].t + if round { 1.0 } else { 0.0 })
+            })
+            .collect(),
+    };
     let mut gaps = vec![0.0; n];
-    for (k, &from) in fixed.iter().enumerate() {
-        let to = fixed[(k + 1) % fixed.len()];
-        let round = k + 1 == fixed.len();
-        let count = if round { to + n - from } else { to - from };
-        let way = knots[to].t - knots[from].t + if round { 1.0 } else { 0.0 };
-        (1..count).for_each(|j| gaps[(from + j) % n] = share * way / count as f64);
+    for (from, count, way) in ways {
+        let total: f64 = (from..from + count).map(gap).sum();
+        for i in from..from + count {
+            let own = gap(i).min(gap(i + n - 1));
+            gaps[i % n] = if total > 0.0 { share * way * own / total } else { share * way / count as f64 };
+        }
     }
     gaps
 }

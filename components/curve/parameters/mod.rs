@@ -295,25 +295,39 @@ impl CurveParameters {
 
     /// The span of an edge of level 0: its coefficients, and beyond a fixed vertex the reflection.
     fn span(&self, edge: usize) -> Span {
-        let (b, c) = (self.lift(edge as isize), self.lift(edge as isize + 1));
+        // In the turn of the edge itself: what lies beyond a place where the curve begins has the bits
+        // that it has in a list that does not pass it.
+        let lift = |i: isize| self.lift_from(edge, edge as isize + i);
+        let (b, c) = (lift(0), lift(1));
         let gap = c - b;
-        let before = if self.is_fixed_at(edge) { gap } else { b - self.lift(edge as isize - 1) };
-        let after = if self.is_fixed_at(edge + 1) { gap } else { self.lift(edge as isize + 2) - c };
+        let before = if self.is_fixed_at(edge) { gap } else { b - lift(-1) };
+        let after = if self.is_fixed_at(edge + 1) { gap } else { lift(2) - c };
         Span { b, c, before, gap, after }
     }
 
     /// A parameter of level 0, ascending: a whole turn on after the place where a closed curve
     /// begins. Those of a closed list go on beyond both ends.
     fn lift(&self, i: isize) -> f64 {
+        let (i, turns) = self.turned(i);
+        self.base[i] + turns
+    }
+
+    /// The same, counted from the turn in which vertex `from` lies.
+    fn lift_from(&self, from: usize, i: isize) -> f64 {
+        let (i, turns) = self.turned(i);
+        self.base[i] + (turns - self.turned(from as isize).1)
+    }
+
+    /// The vertex that `i` stands for, and in which turn.
+    fn turned(&self, i: isize) -> (usize, f64) {
         let count = self.base.len() as isize;
         // One turn at most on either side, of which only closed lists have more than one vertex.
-        let (i, turns) = match i {
-            _ if i < 0 => (i + count, -1.0),
-            _ if i >= count => (i - count, 1.0),
-            _ if i >= self.next_turn as isize => (i, 1.0),
-            _ => (i, 0.0),
-        };
-        self.base[i as usize] + turns
+        match i {
+            _ if i < 0 => ((i + count) as usize, -1.0),
+            _ if i >= count => ((i - count) as usize, 1.0),
+            _ if i >= self.next_turn as isize => (i as usize, 1.0),
+            _ => (i as usize, 0.0),
+        }
     }
 
     /// The vertex of level 0 at a place, if there is one.

@@ -147,6 +147,21 @@ proptest! {
         }
     }
 
+    /// A part of a closed list that passes the place where the curve begins has the closed list's bits
+    /// wherever its own ends are not seen.
+    #[test]
+    fn a_part_over_the_beginning_keeps_the_bits_of_the_whole(gaps in gaps(9..16), shift in 0.0..1.0, level in 0_u32..5) {
+        let whole = closed(&gaps, shift, 0);
+        let count = whole.base().len();
+        let first = count / 2;
+        let list: Vec<_> = (0..count).map(|k| whole.base()[(first + k) % count]).collect();
+        let part = CurveParameters::new(circle(), Extent::Open, list, &[]).expect("ascends round the circle");
+        for k in 2_u64 << level..(count as u64 - 3) << level {
+            let there = (((first as u64) << level) + k) % whole.vertex_count(level);
+            prop_assert_eq!(part.parameter(level, k).to_bits(), whole.parameter(level, there).to_bits(), "vertex {}", k);
+        }
+    }
+
     #[test]
     fn a_whole_level_has_the_bits_of_its_vertices(gaps in gaps(3..9), shift in 0.0..1.0, level in 0_u32..7) {
         for border in [closed(&gaps, shift, 0), open(&gaps, &[1])] {

@@ -238,6 +238,25 @@ impl<'a, L: Load> PatchReader<'a, L> {
         self.finer(face).corner(usize::from(corner), pieces);
     }
 
+    /// Reads a little of everything that a face which is not regular is made of, all at once: what is
+    /// far away in memory is then waited for once and not step by step. A number of no meaning, to be
+    /// handed to [`black_box`](core::hint::black_box).
+    #[inline(always)]
+    pub fn touch(&self, face: FaceId) -> f64 {
+        if self.surface.topology.is_regular(face) {
+            return 0.0;
+        }
+        let mut sum = 0.0;
+        for corner in self.surface.topology.finer_corners(face) {
+            let block = corner.block as usize;
+            // Two points fill a line of the cache.
+            for point in self.surface.finer[block..block + 2 + corner.valence as usize].iter().step_by(2) {
+                sum += point[0];
+            }
+        }
+        sum
+    }
+
     #[inline(always)]
     fn finer(&self, face: FaceId) -> FinerNet<'a, L> {
         let corners = self.surface.topology.finer_corners(face);

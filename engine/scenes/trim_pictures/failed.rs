@@ -45,7 +45,13 @@ pub fn places(why: &TrimFault) -> Vec<DVec3> {
         RemeshError::PreImage { source, .. } => of_image(source),
         RemeshError::DoesNotSeparate { at, .. }
         | RemeshError::TooFine { at, .. }
-        | RemeshError::NothingOnLeft { at, .. }
+        | RemeshError::Gap { at, .. }
+        | RemeshError::BorderGap { at, .. }
+        | RemeshError::Tangential { at, .. }
+        | RemeshError::AlongBorder { at, .. }
+        | RemeshError::Coincident { at, .. }
+        | RemeshError::Tangled { at, .. }
+        | RemeshError::Cusp { at, .. }
         | RemeshError::Unresolved { at, .. }
         | RemeshError::OutOfReach { at, .. } => vec![*at],
         _ => Vec::new(),

@@ -34,6 +34,8 @@ pub fn figure(trimmed: &Trimmed) -> Result<Canvas, TrimPictureError> {
     let mesh = &trimmed.surface.mesh;
     let limit = LimitSurface::new(Arc::clone(&trimmed.surface)).map_err(TrimSceneError::from)?;
     let all = root_faces(&limit);
+    // What lies beyond is white: the region fills the page.
+    let shown = limit_faces(&limit, 0, trimmed.omega.iter().copied());
     let mut cells = Vec::new();
     for rung in &trimmed.ladder {
         let level = rung.level;
@@ -47,7 +49,7 @@ pub fn figure(trimmed: &Trimmed) -> Result<Canvas, TrimPictureError> {
         let near = region::neighbourhood(mesh, level, &active);
         let outside = (0..mesh.face_count()).map(|f| FaceCode::root(FaceId::new(f)));
         let outside = outside.filter(|f| trimmed.omega.binary_search(f).is_err());
-        let mut page = Domain::new(&all, SIZE)?;
+        let mut page = Domain::about(&all, &shown, SIZE)?;
         page.fill(&all, OMEGA);
         page.fill(&limit_faces(&limit, 0, outside), OUTSIDE);
         page.fill(&limit_faces(&limit, level, near.iter().copied()), NEAR);

@@ -5,12 +5,13 @@ use std::collections::HashSet;
 use glam::{DVec2, DVec3};
 use selvedge_components::evaluate::{Evaluate, SurfacePoint};
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
-use selvedge_components::subdivision::{Border, Ends, FaceCode, LoopSurface};
+use selvedge_components::subdivision::{Address, Border, Ends, FaceCode, LoopSurface};
 use selvedge_components::target::Target;
 use selvedge_components::triangles::Triangles;
 use selvedge_systems::closest::Search;
 use selvedge_systems::parallel::map_in_order;
 use selvedge_systems::subdivision::limit::LimitSurface;
+use selvedge_systems::subdivision::region;
 use selvedge_systems::triangulate::{Density, TriangulateOptions, triangulate};
 
 use super::TrimSceneError;
@@ -26,7 +27,7 @@ fn bits(p: DVec3) -> [u64; 3] {
 pub fn open_edges(triangles: &Triangles, mesh: &Connectivity) -> usize {
     let edges = directed_edges(triangles);
     let inside = |&(from, to, [a, b]): &(Bits, Bits, [u32; 2])| {
-        !edges.binary_search_by_key(&(to, from), |e| (e.0, e.1)).is_ok() && !on_border(triangles, mesh, [a, b])
+        edges.binary_search_by_key(&(to, from), |e| (e.0, e.1)).is_err() && !on_border(triangles, mesh, [a, b])
     };
     edges.iter().filter(|e| inside(e)).count()
 }
@@ -91,19 +92,20 @@ pub fn curve_samples_exact(surface: &LoopSurface, triangles: &Triangles, level: 
 }
 
 /// Compares both limit surfaces where nothing should have changed, each triangulated by itself: are the
-/// limit points of every such face the same bits, two levels down?
+/// limit points of every such face the same bits, two levels down? At the corners of the faces alone
+/// where the whole cage was refined first.
 ///
 /// # Errors
 /// If one of them cannot be triangulated.
 pub fn outside_is_identical(trimmed: &Trimmed) -> Result<bool, TrimSceneError> {
-    const LEVEL: u32 = 2;
     // Where the whole cage was refined first, all leaves beyond are of that level.
     let base = trimmed.untouched().next().map_or(0, |f| f.1);
+    let deep = if base == 0 { 2 } else { 0 };
     let at = |level| TriangulateOptions { density: Density::Level(level), ..TriangulateOptions::default() };
-    let now = triangulate(&trimmed.surface, &at(LEVEL))?.triangles;
-    let then = triangulate(&trimmed.ground.surface, &at(LEVEL + base))?.triangles;
+    let now = triangulate(&trimmed.surface, &at(deep))?.triangles;
+    let then = triangulate(&trimmed.ground.surface, &at(deep + base))?.triangles;
     // Triangles stand by root face, then along the path of quarters, as codes do.
-    let count = 1_usize << (2 * LEVEL);
+    let count = 1_usize << (2 * deep);
     let bits = |made: &Triangles, triangle: usize| {
         made.triangles[triangle].map(|v| made.positions[v as usize].to_array().map(f64::to_bits))
     };
@@ -113,8 +115,12 @@ pub fn outside_is_identical(trimmed: &Trimmed) -> Result<bool, TrimSceneError> {
     Ok(trimmed.untouched().all(|(face, level, code)| level == base && same(face, code)))
 }
 
+/// Patches that are measured, at most: some seconds.
+const MOST_PATCHES: usize = 1 << 14;
+
 /// The greatest distance from the trimmed limit surface to the given one: 45 random places of every
-/// patch of the finest details around it, by another seed than anything else uses.
+/// patch of the finest details around it, by another seed than anything else uses. Where that were too
+/// many patches, coarser ones are taken, and of root faces that are too many an even share.
 ///
 /// # Errors
 /// If the result cannot be evaluated.
@@ -122,10 +128,16 @@ pub fn achieved(trimmed: &Trimmed) -> Result<f64, TrimSceneError> {
     const PLACES: u64 = 45;
     let limit = LimitSurface::new(trimmed.surface.clone())?;
     let target = trimmed.ground.target(Search::AroundHint);
-    let patches = patches(trimmed);
+    let finest = trimmed.surface.details.depth();
+    let patches = (0..=finest).rev().map(|finest| patches(trimmed, finest)).find(|p| p.len() <= MOST_PATCHES);
+    let patches = patches.unwrap_or_else(|| {
+        let all = patches_at_root(trimmed);
+        let share = all.len().div_ceil(MOST_PATCHES);
+        all.into_iter().step_by(share).collect()
+    });
     let worst = map_in_order(patches.len(), |p| {
         let (level, code) = patches[p];
-        let mut draw = Draw(0x5eed_0f_7a11 ^ (p as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let mut draw = Draw(0x5eed_7a11 ^ (p as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
         // Neighbours' feet are near, so only the first is sought everywhere.
         let mut hint = None;
         let mut worst = 0.0_f64;
@@ -140,30 +152,18 @@ pub fn achieved(trimmed: &Trimmed) -> Result<f64, TrimSceneError> {
     Ok(worst.into_iter().fold(0.0, f64::max))
 }
 
-/// The faces that a trim may have changed, as the patches of the finest details on them.
-fn patches(trimmed: &Trimmed) -> Vec<(u32, FaceCode)> {
+/// The faces that a trim may have changed.
+fn patches_at_root(trimmed: &Trimmed) -> Vec<(u32, FaceCode)> {
+    trimmed.omega.iter().map(|&code| (0, code)).collect()
+}
+
+/// The faces that a trim may have changed, as the patches of the finest details on them, none finer than
+/// level `finest`.
+fn patches(trimmed: &Trimmed, finest: u32) -> Vec<(u32, FaceCode)> {
     let mesh = &trimmed.surface.mesh;
-    let finer: Vec<HashSet<FaceCode>> = trimmed
-        .surface
-        .details
-        .levels
-        .iter()
-        .enumerate()
-        .map(|(level, stored)| {
-            let level = level as u32;
-            let faces = stored
-                .iter()
-                .filter_map(|&(address, _)| selvedge_systems::subdivision::region::corner_at(mesh, level, address));
-            faces
-                .flat_map(|(face, corner)| {
-                    let mut fan = vec![face];
-                    selvedge_systems::subdivision::region::fan(mesh, level, face, corner, &mut fan);
-                    fan
-                })
-                .collect()
-        })
-        .collect();
-    let mut open: Vec<(u32, FaceCode)> = trimmed.omega.iter().map(|&code| (0, code)).collect();
+    let stored = (0_u32..finest).zip(&trimmed.surface.details.levels);
+    let finer: Vec<HashSet<FaceCode>> = stored.map(|(level, stored)| faces_around(mesh, level, stored)).collect();
+    let mut open = patches_at_root(trimmed);
     let mut done = Vec::new();
     while let Some((level, code)) = open.pop() {
         if finer.get(level as usize).is_some_and(|faces| faces.contains(&code)) {
@@ -173,6 +173,16 @@ fn patches(trimmed: &Trimmed) -> Vec<(u32, FaceCode)> {
         }
     }
     done
+}
+
+/// The faces of `level` that have a detail at a corner.
+fn faces_around(mesh: &Connectivity, level: u32, stored: &[(Address, DVec3)]) -> HashSet<FaceCode> {
+    let mut faces = Vec::new();
+    for (face, corner) in stored.iter().filter_map(|&(address, _)| region::corner_at(mesh, level, address)) {
+        faces.push(face);
+        region::fan(mesh, level, face, corner, &mut faces);
+    }
+    faces.into_iter().collect()
 }
 
 /// A place of a patch as one of its root face.

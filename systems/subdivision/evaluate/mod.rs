@@ -4,6 +4,8 @@
 //! is made once and evaluated in as many lanes as the machine has. Which places come together changes
 //! no bit of any result.
 
+use core::hint::black_box;
+
 use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 use selvedge_components::evaluate::{Jet, SurfacePoint};
@@ -193,7 +195,13 @@ impl Scatter<'_> {
     #[inline(always)]
     fn run(self, store: impl Store) {
         let mut worker = Worker::new(self.surface, store);
-        for run in self.records.chunk_by(|a, b| a.face == b.face) {
+        let mut runs = self.records.chunk_by(|a, b| a.face == b.face).peekable();
+        while let Some(run) = runs.next() {
+            // Faces that neighbour in number seldom do in memory; their points come while this one's are
+            // worked on.
+            if let Some(next) = runs.peek() {
+                black_box(worker.reader.touch(FaceId(next[0].face)));
+            }
             worker.face(FaceId(run[0].face), run, &mut Scattered { run, jets: self.jets });
         }
     }

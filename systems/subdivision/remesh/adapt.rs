@@ -10,7 +10,7 @@
 //!    alike: wide strips end in vertices of valence 8;
 //! 3. *balance*: neighbours differ by one level at most.
 
-use selvedge_components::subdivision::{CornerTable, FaceCode, LoopSurface, NONE};
+use selvedge_components::subdivision::{CornerTable, FaceCode, LoopSurface};
 
 use super::error::RemeshError;
 use super::field::Field;
@@ -55,8 +55,9 @@ pub fn adapt(
 ) -> Result<Leaves, RemeshError> {
     let limit = options.finest.min(FaceCode::finest(surface.mesh.face_count()).saturating_sub(2));
     let mut leaves = Leaves::uniform(&surface.mesh, options.base.min(limit));
-    let by_curve = follow(surface, corners, track, options, limit)?;
-    let wanted = track.points.iter().zip(least).map(|(p, &least)| by_curve[p.cut as usize].max(least));
+    let pieces = Pieces::new(track);
+    let by_piece = follow(surface, corners, track, &pieces, options, limit)?;
+    let wanted = pieces.of_segment.iter().zip(least).map(|(&piece, &least)| by_piece[piece as usize].max(least));
     let finest: Vec<u32> = wanted.collect();
     if let Some(s) = finest.iter().position(|&l| l > limit) {
         return Err(too_fine(track, limit, s as u32));
@@ -80,16 +81,16 @@ fn too_fine(track: &Track, limit: u32, segment: u32) -> RemeshError {
     RemeshError::TooFine { limit, curve: p.curve as usize, u: p.u, at: p.position }
 }
 
-/// Rule 1: the finest level that each curve asks for.
+/// Rule 1: the finest level that each smooth piece of curve asks for.
 fn follow(
     surface: &LoopSurface,
     corners: &CornerTable,
     track: &Track,
+    pieces: &Pieces,
     options: &AdaptOptions,
     limit: u32,
 ) -> Result<Vec<u32>, RemeshError> {
-    let mut finest = vec![options.base; track.tracks.len()];
-    let lengths = piece_lengths(track);
+    let mut finest = vec![options.base; pieces.lengths.len()];
     let mut open: Option<Vec<FaceCode>> = None;
     for level in options.base..=limit {
         let mut visits = track.visits(level);
@@ -106,15 +107,15 @@ fn follow(
             let Some(face) = field.level.mesh.find(run[0].code) else { continue };
             let edge = size(field.triangle(face));
             let (arc, chord) = arc_and_chord(track, run);
-            let cut = track.points[run[0].segment as usize].cut as usize;
-            let length = lengths[run[0].segment as usize];
+            let piece = pieces.of_segment[run[0].segment as usize] as usize;
+            let length = pieces.lengths[piece];
             let bends = arc > SHORTEST * edge && arc > (1.0 + options.bend) * chord;
             if bends || options.pieces * edge > length {
                 if level == limit {
                     return Err(too_fine(track, limit, run[0].segment));
                 }
                 split.push(run[0].code);
-                finest[cut] = level + 1;
+                finest[piece] = level + 1;
             }
         }
         open = Some(super::super::region::ascending(split));
@@ -141,29 +142,36 @@ fn arc_and_chord(track: &Track, run: &[Visit]) -> (f64, f64) {
     (arc, at(&run[0], 0).distance(at(&run[run.len() - 1], 1)))
 }
 
-/// By segment, the length of the smooth piece of curve that it belongs to.
-fn piece_lengths(track: &Track) -> Vec<f64> {
-    let mut lengths: Vec<f64> = track.points.iter().map(|p| track.tracks[p.cut as usize].length).collect();
-    for start in 0..track.points.len() {
-        let p = &track.points[start];
-        if !(p.corner || p.previous == NONE) || p.next == NONE {
-            continue;
-        }
-        let mut piece = Vec::new();
-        let mut at = start as u32;
-        let mut length = 0.0;
-        while track.points[at as usize].next != NONE {
-            piece.push(at);
-            let (a, b) = track.ends(at);
-            length += a.distance(b);
-            at = track.points[at as usize].next;
-            if track.points[at as usize].corner || at as usize == start {
-                break;
+/// The smooth pieces of the tracks, from corner to corner.
+struct Pieces {
+    /// By segment.
+    of_segment: Vec<u32>,
+    /// By piece, in model units.
+    lengths: Vec<f64>,
+}
+
+impl Pieces {
+    fn new(track: &Track) -> Self {
+        let mut pieces = Self { of_segment: vec![0; track.points.len()], lengths: Vec::new() };
+        for whole in &track.tracks {
+            let points = || whole.begin..whole.begin + whole.count;
+            // From a corner on, so that a piece over the end of a closed curve is one.
+            let corner = points().find(|&p| track.points[p as usize].corner);
+            let begin = corner.filter(|_| whole.closed).unwrap_or(whole.begin);
+            for p in (begin..whole.begin + whole.count).chain(whole.begin..begin) {
+                if p == begin || track.points[p as usize].corner {
+                    pieces.lengths.push(0.0);
+                }
+                let piece = pieces.lengths.len() - 1;
+                pieces.of_segment[p as usize] = piece as u32;
+                if track.is_segment(p) {
+                    let (a, b) = track.ends(p);
+                    pieces.lengths[piece] += a.distance(b);
+                }
             }
         }
-        piece.iter().for_each(|&s| lengths[s as usize] = length);
+        pieces
     }
-    lengths
 }
 
 /// Rule 2: the faces of `level` that are to be split.
@@ -182,7 +190,7 @@ fn near(
     let wanted = |segment: u32| finest[segment as usize] > level;
     let visits = track.visits(level).into_iter().filter(|v| wanted(v.segment));
     let seeds: Vec<(u32, u32)> = visits.filter_map(|v| Some((mesh.find(v.code)?, v.segment))).collect();
-    let near = spread(track, &mesh.corners, &field.limit, seeds.iter().copied());
+    let near = spread(track, &mesh.corners, &field.limit, seeds.iter().copied(), wanted);
     let mut split: Vec<FaceCode> = seeds.iter().map(|&(face, _)| mesh.codes[face as usize]).collect();
     for (face, code) in mesh.codes.iter().enumerate() {
         if existing.binary_search(code).is_err() {
@@ -193,7 +201,8 @@ fn near(
         let limit = options.near * size(corners);
         let middle = |i: usize, from: Option<Near>| {
             let x = 0.5 * (corners[i] + corners[(i + 1) % 3]);
-            from.map_or(f64::INFINITY, |n| track.nearest(n.segment, x).distance)
+            let near = from.map(|n| track.nearest(n.segment, x)).filter(|n| wanted(n.segment));
+            near.map_or(f64::INFINITY, |n| n.distance)
         };
         let distances = [a, b, c].into_iter().enumerate().map(|(i, n)| {
             let own = n.map_or(f64::INFINITY, |n| n.distance);

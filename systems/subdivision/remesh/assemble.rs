@@ -412,13 +412,14 @@ fn details(
     let boundary = work.adapted.vertices.iter().zip(&names.lattice);
     let boundary: Vec<_> = boundary
         .filter(|(v, name)| **name != NONE && v.level > 0 && v.detail != DVec3::ZERO)
+        .filter(|(_, name)| !on_sides.iter().any(|(v, _)| v.0 == **name))
         .map(|(v, &name)| (Address::Corner(VertexId(name)), v.detail))
         .collect();
     if !boundary.is_empty() || !on_sides.is_empty() {
         if levels.is_empty() {
             levels.push(Vec::new());
         }
-        // A vertex of a plain side that is given now has no detail of another kind.
+        // A vertex whose border has become another has no other detail.
         levels[0].retain(|d| !on_sides.iter().any(|(v, _)| d.0 == Address::Corner(*v)));
         levels[0].extend(boundary);
         levels[0].extend(on_sides.into_iter().map(|(v, d)| (Address::Corner(v), d)));

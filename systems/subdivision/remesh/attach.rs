@@ -97,11 +97,21 @@ impl Strip {
     }
 }
 
+impl Strip {
+    /// By knot, the length of the rim that it sees.
+    pub fn widths(&self, limit: impl Fn(u32) -> DVec3) -> Vec<f64> {
+        let m = self.rim.len();
+        let q = |i: u32| limit(self.rim[i as usize % m]);
+        let width = |k: &Knot| (k.first..k.first + k.kind.span()).map(|j| q(j).distance(q(j + 1))).sum();
+        self.knots.iter().map(width).collect()
+    }
+}
+
 /// A corner of a curve as it meets the rim.
 struct Corner {
     along: f64,
-    /// The rim vertex nearest to it.
-    nearest: usize,
+    /// The rim vertex nearest to it; it may be counted on beyond the rim's end.
+    nearest: i64,
     kind: KnotKind,
 }
 
@@ -116,20 +126,22 @@ pub fn attach(track: &Track, cut: u32, rim: &Rim, limit: impl Fn(u32) -> (DVec3,
         .filter(|&p| track.points[p as usize].corner)
         .map(|p| corner(track, p, rim, &limit))
         .collect();
-    corners.sort_by_key(|c| c.nearest);
+    corners.sort_by(|a, b| a.along.total_cmp(&b.along));
     if !rim.closed {
-        let end = |along, nearest| Corner { along, nearest, kind: KnotKind::End };
+        let end = |along, nearest: usize| Corner { along, nearest: nearest as i64, kind: KnotKind::End };
         if m < 3 {
             return Err(track.place(cut, 0.0));
         }
         corners.insert(0, end(0.0, 0));
         corners.push(end(whole.length, m - 2));
     }
+    seat(track, cut, &mut corners, m, rim.closed)?;
     let mut knots =
         if corners.is_empty() { plain_knots(m) } else { knots_between(track, cut, &corners, m, rim.closed)? };
     first_guess(track, cut, rim, &limit, &mut knots, &corners);
     let mut strip = Strip { cut, rim: rim.vertices.clone(), knots, closed: rim.closed };
-    space_out(track, &mut strip);
+    let widths = strip.widths(|v| limit(v).0);
+    space_out(track, &mut strip, &widths);
     Ok(strip)
 }
 
@@ -168,7 +180,7 @@ fn corner(track: &Track, p: u32, rim: &Rim, limit: &impl Fn(u32) -> (DVec3, DVec
     // How far round the rim has come there.
     let rounds = if rim.closed { ((rim.along[nearest] - point.along) / length).round() } else { 0.0 };
     let along = point.along + rounds * length;
-    Corner { along, nearest, kind }
+    Corner { along, nearest: nearest as i64, kind }
 }
 
 /// Of the rim vertices no farther than this many times the nearest, a corner takes the one that lies
@@ -176,25 +188,69 @@ fn corner(track: &Track, p: u32, rim: &Rim, limit: &impl Fn(u32) -> (DVec3, DVec
 /// in size, so that is within one edge or two.
 const CORNER_REACH: f64 = 2.5;
 
+impl Corner {
+    /// The rim vertices at which its share begins and ends.
+    fn share(&self) -> [i64; 2] {
+        let begin = if self.kind == KnotKind::Concave { self.nearest - 1 } else { self.nearest };
+        [begin, begin + i64::from(self.kind.span())]
+    }
+}
+
+/// Moves corners along the rim, as far as one edge each, so that knots find room between them.
+///
+/// # Errors
+/// The place of a corner that would have to move farther.
+fn seat(track: &Track, cut: u32, corners: &mut [Corner], m: usize, closed: bool) -> Result<(), Near> {
+    let n = corners.len();
+    let wanted: Vec<i64> = corners.iter().map(|c| c.nearest).collect();
+    // Rounds of pushing neighbours apart; each corner moves by one edge at most.
+    for _ in 0..2 * n {
+        let mut moved = false;
+        for k in 0..if closed { n } else { n.saturating_sub(1) } {
+            let (j, round) = if k + 1 < n { (k + 1, 0) } else { (0, m as i64) };
+            let room = corners[j].share()[0] + round - corners[k].share()[1];
+            if room >= FEWEST || n == 1 {
+                continue;
+            }
+            let can = |c: usize, by: i64| {
+                corners[c].kind != KnotKind::End && (corners[c].nearest + by - wanted[c]).abs() <= FARTHEST
+            };
+            if can(j, 1) {
+                corners[j].nearest += 1;
+            } else if can(k, -1) {
+                corners[k].nearest -= 1;
+            } else {
+                return Err(track.place(cut, corners[k].along));
+            }
+            moved = true;
+        }
+        if !moved {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// How many edges along the rim a corner may be moved from the vertex that suits it best.
+const FARTHEST: i64 = 1;
+
 /// Corners where they are, and smooth knots on the rim edges between.
 fn knots_between(track: &Track, cut: u32, corners: &[Corner], m: usize, closed: bool) -> Result<Vec<Knot>, Near> {
-    // The rim vertices at which a corner's share begins and ends.
-    let begin = |c: &Corner| if c.kind == KnotKind::Concave { c.nearest as i64 - 1 } else { c.nearest as i64 };
+    let name = |i: i64| (i + m as i64) as u32;
     let mut knots = Vec::new();
     for (k, c) in corners.iter().enumerate() {
         let next = &corners[(k + 1) % corners.len()];
         let round = if k + 1 == corners.len() { m as i64 } else { 0 };
-        let first = begin(c);
-        knots.push(Knot { t: 0.0, kind: c.kind, first: (first + m as i64) as u32 });
+        let [first, from] = c.share();
+        knots.push(Knot { t: 0.0, kind: c.kind, first: name(first) });
         if !closed && k + 1 == corners.len() {
             break;
         }
-        let from = first + i64::from(c.kind.span());
-        let to = begin(next) + round;
+        let to = next.share()[0] + round;
         if to - from < FEWEST {
             return Err(track.place(cut, c.along));
         }
-        knots.extend((from..to).map(|i| Knot { t: 0.0, kind: KnotKind::Smooth, first: (i + m as i64) as u32 }));
+        knots.extend((from..to).map(|i| Knot { t: 0.0, kind: KnotKind::Smooth, first: name(i) }));
     }
     Ok(knots)
 }
@@ -233,36 +289,41 @@ fn first_guess(
     }
 }
 
-/// The smallest gap between neighbours, as a part of the mean gap of their stretch: below it the
-/// relaxation, which keeps the middle 40 % between neighbours, has no room to begin.
+/// The smallest gap between neighbours, as a part of the gap that suits the rim beside it: below it
+/// the relaxation, which keeps the middle 40 % between neighbours, has no room to begin.
 const SMALLEST_GAP: f64 = 0.3;
 
-/// Rounds of smoothing, each a quarter-half-quarter average: enough for disorder over some ten knots;
-/// what is left after that is spaced evenly.
+/// Rounds of smoothing: enough for disorder over some ten knots; what is left after that is spaced
+/// as the rim is.
 const ROUNDS: u32 = 200;
 
 /// Makes the distances rise, by smoothing them until all gaps are wide enough, and turns them into
 /// parameters. Corners stay where they are.
-fn space_out(track: &Track, strip: &mut Strip) {
+fn space_out(track: &Track, strip: &mut Strip, widths: &[f64]) {
     let length = track.tracks[strip.cut as usize].length;
     let n = strip.knots.len();
     let fixed: Vec<usize> = (0..n).filter(|&i| strip.knots[i].kind != KnotKind::Smooth).collect();
     let mut along: Vec<f64> = strip.knots.iter().map(|k| k.t).collect();
+    let gap = |i: usize| 0.5 * (widths[i % n] + widths[(i + 1) % n]);
     if fixed.is_empty() {
-        smooth_round(&mut along, length);
+        let mut gaps: Vec<f64> = (0..n).map(gap).collect();
+        scale(&mut gaps, length);
+        smooth_round(&mut along, &gaps, length);
     } else {
         for (k, &from) in fixed.iter().enumerate() {
             let round = if k + 1 == fixed.len() { length } else { 0.0 };
             let to = fixed[(k + 1) % fixed.len()];
             let count = if to > from { to - from } else { to + n - from };
             let end = along[to] + round;
-            // A corner seen a round early or late.
-            let end = along[from] + (end - along[from]).rem_euclid(length);
-            let end = if end <= along[from] { end + length } else { end };
+            // A corner seen a round early or late; one alone is a whole round from itself.
+            let way = if fixed.len() == 1 { length } else { (end - along[from]).rem_euclid(length) };
+            let end = along[from] + if way > 0.0 { way } else { length };
             let mut piece: Vec<f64> = (0..count).map(|j| along[(from + j) % n]).collect();
             piece.iter_mut().skip(1).for_each(|x| *x -= ((*x - 0.5 * (along[from] + end)) / length).round() * length);
             piece.push(end);
-            smooth_piece(&mut piece);
+            let mut gaps: Vec<f64> = (from..from + count).map(gap).collect();
+            scale(&mut gaps, end - along[from]);
+            smooth_piece(&mut piece, &gaps);
             for j in 1..count {
                 along[(from + j) % n] = piece[j];
             }
@@ -276,10 +337,22 @@ fn space_out(track: &Track, strip: &mut Strip) {
     }
 }
 
+/// Makes the gaps fill `length`.
+fn scale(gaps: &mut [f64], length: f64) {
+    let total: f64 = gaps.iter().sum();
+    let even = length / gaps.len() as f64;
+    gaps.iter_mut().for_each(|g| *g = if total > 0.0 { *g * length / total } else { even });
+}
+
+/// Half-way to where the gaps to both neighbours are as wide as they should be, relative to each
+/// other.
+fn smoothed([a, b, c]: [f64; 3], [before, after]: [f64; 2]) -> f64 {
+    0.5 * b + 0.5 * (after * a + before * c) / (before + after)
+}
+
 /// A whole closed curve without corners.
-fn smooth_round(along: &mut [f64], length: f64) {
+fn smooth_round(along: &mut [f64], gaps: &[f64], length: f64) {
     let n = along.len();
-    let least = SMALLEST_GAP * length / n as f64;
     let extended = |x: &[f64], i: usize| {
         [
             x[(i + n - 1) % n] - if i == 0 { length } else { 0.0 },
@@ -288,27 +361,30 @@ fn smooth_round(along: &mut [f64], length: f64) {
         ]
     };
     for _ in 0..ROUNDS {
-        if (0..n).all(|i| extended(along, i)[2] - along[i] >= least) {
+        if (0..n).all(|i| extended(along, i)[2] - along[i] >= SMALLEST_GAP * gaps[i]) {
             return;
         }
-        let next: Vec<f64> = (0..n).map(|i| extended(along, i)).map(|[a, b, c]| 0.25 * (a + c) + 0.5 * b).collect();
+        let next = |i: usize| smoothed(extended(along, i), [gaps[(i + n - 1) % n], gaps[i]]);
+        let next: Vec<f64> = (0..n).map(next).collect();
         along.copy_from_slice(&next);
     }
-    let first = along[0];
-    along.iter_mut().enumerate().for_each(|(i, x)| *x = first + length * i as f64 / n as f64);
+    for i in 1..n {
+        along[i] = along[i - 1] + gaps[i - 1];
+    }
 }
 
 /// A stretch between two fixed ends.
-fn smooth_piece(x: &mut [f64]) {
+fn smooth_piece(x: &mut [f64], gaps: &[f64]) {
     let n = x.len() - 1;
-    let (from, to) = (x[0], x[n]);
-    let least = SMALLEST_GAP * (to - from) / n as f64;
     for _ in 0..ROUNDS {
-        if x.windows(2).all(|w| w[1] - w[0] >= least) {
+        if x.windows(2).zip(gaps).all(|(w, gap)| w[1] - w[0] >= SMALLEST_GAP * gap) {
             return;
         }
-        let next: Vec<f64> = x.windows(3).map(|w| 0.25 * (w[0] + w[2]) + 0.5 * w[1]).collect();
+        let next: Vec<f64> =
+            x.windows(3).zip(gaps.windows(2)).map(|(w, g)| smoothed([w[0], w[1], w[2]], [g[0], g[1]])).collect();
         x[1..n].copy_from_slice(&next);
     }
-    x.iter_mut().enumerate().for_each(|(i, x)| *x = from + (to - from) * i as f64 / n as f64);
+    for i in 1..n {
+        x[i] = x[i - 1] + gaps[i - 1];
+    }
 }

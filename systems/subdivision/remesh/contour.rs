@@ -10,11 +10,12 @@ use std::sync::Arc;
 use glam::DVec3;
 use selvedge_components::curve::{Curve, Heading, wrap};
 use selvedge_components::mesh::{Connectivity, FaceId};
-use selvedge_components::subdivision::NONE;
 use selvedge_components::subdivision::remesh::{PreImageError, RemeshError};
+use selvedge_components::subdivision::{LoopSurface, NONE};
 use selvedge_components::trim::Junction;
 
 use super::super::relax::curve_parameter;
+use super::borders::Borders;
 use super::crossing::{self, Crossing};
 use super::junction::{self, JunctionOptions, Meeting};
 use super::path::Leg;
@@ -31,7 +32,7 @@ pub struct Span {
     pub t: [f64; 2],
     /// The curve's own parameters there, to the bit.
     pub u: [f64; 2],
-    /// The junctions it runs between; at an end on a border, or where it is all of a curve, none.
+    /// The junctions it runs between; where it is all of a closed curve, none.
     pub junctions: [Option<u32>; 2],
 }
 
@@ -65,7 +66,7 @@ impl Contour {
 
     /// Is it made of one curve alone?
     pub fn is_single(&self) -> bool {
-        self.spans.len() == 1 && self.spans[0].junctions == [None; 2]
+        self.spans.len() == 1
     }
 
     /// The place at travel parameter `t`.
@@ -93,6 +94,13 @@ impl Contour {
         let corners = cuts[self.spans[near.span as usize].cut as usize].curve.corners().iter().copied();
         let nearest = corners.min_by(|a, b| apart(*a).total_cmp(&apart(*b)));
         Spot { u: nearest.unwrap_or(near.u), ..near }
+    }
+
+    /// Where it begins (0) or ends (1) on a border.
+    pub fn end(&self, which: usize) -> Spot {
+        let span = if which == 0 { 0 } else { self.spans.len() - 1 };
+        let own = &self.spans[span];
+        Spot { span: span as u32, u: own.u[which], junction: own.junctions[which] }
     }
 
     fn spot_on(&self, cuts: &[Cut], span: usize, share: f64) -> Spot {
@@ -192,11 +200,12 @@ struct Stretch {
 /// When a pre-image is not usable or crosses itself, curves do not separate the surface, or cross in
 /// a way that leaves no border: see [`RemeshError`].
 pub fn arrange(
-    mesh: &Connectivity,
+    surface: &LoopSurface,
     cuts: &[Cut],
     preimages: &[PreImage],
     options: &JunctionOptions,
 ) -> Result<Arrangement, RemeshError> {
+    let mesh = &*surface.mesh;
     let pre_image = |curve, source| RemeshError::PreImage { curve, source };
     let curves = Track::new(mesh, cuts, preimages).map_err(|(curve, source)| pre_image(curve, source))?;
     check_cusps(&curves, cuts, options)?;
@@ -218,12 +227,14 @@ pub fn arrange(
         curves: &curves,
         cuts,
         meetings: &meetings,
+        borders: &Borders::new(surface),
+        options,
         names: vec![NONE; meetings.len()],
         junctions: Vec::new(),
         track: Track::default(),
     };
     let chains = chains(&curves, &kept, meetings.len())?;
-    let contours = chains.iter().map(|chain| built.contour(chain)).collect();
+    let contours = chains.iter().map(|chain| built.contour(chain)).collect::<Result<_, _>>()?;
     let (track, junctions) = (built.track, built.junctions);
     let unused = (0..cuts.len()).filter(|&c| !used[c]).collect();
     Ok(Arrangement { contours, track, junctions, unused, winding })
@@ -290,7 +301,7 @@ fn stretches(track: &Track, crossings: &[Crossing], meetings: &[Meeting]) -> Res
             let [from, to] = [pair[0], pair[1]];
             let p = &track.points[from.near.segment as usize];
             // Places so near to each other that they come in another order in space.
-            if !(from.t < to.t) {
+            if from.t >= to.t || from.t.is_nan() || to.t.is_nan() {
                 return Err(RemeshError::Tangled { curve: p.curve as usize, u: from.u, at: p.position });
             }
             let span =
@@ -401,6 +412,8 @@ struct Builder<'a> {
     curves: &'a Track,
     cuts: &'a [Cut],
     meetings: &'a [Meeting],
+    borders: &'a Borders<'a>,
+    options: &'a JunctionOptions,
     /// By crossing, its junction among those that count.
     names: Vec<u32>,
     junctions: Vec<Junction>,
@@ -412,31 +425,61 @@ struct Builder<'a> {
 const NEAR_JUNCTION: f64 = 0.1;
 
 impl Builder<'_> {
-    fn contour(&mut self, chain: &[&Stretch]) -> Contour {
-        if let [Stretch { span, .. }] = chain
-            && span.junctions == [None; 2]
-        {
+    fn contour(&mut self, chain: &[&Stretch]) -> Result<Contour, RemeshError> {
+        let closed = match chain {
+            [only] if only.span.junctions == [None; 2] => self.curves.tracks[only.span.cut as usize].closed,
+            _ => chain[0].span.junctions[0].is_some(),
+        };
+        let mut spans: Vec<Span> = chain.iter().map(|s| self.named(&s.span)).collect();
+        let ends = if closed { [None; 2] } else { self.ends(chain, &mut spans)? };
+        if let [span] = spans.as_slice() {
             let whole = self.curves.tracks[span.cut as usize];
-            let points = self.curves.points[whole.begin as usize..(whole.begin + whole.count) as usize].to_vec();
-            self.track.append(points, whole.closed);
-            return Contour::single(&self.cuts[span.cut as usize], *span);
+            let mut points = self.curves.points[whole.begin as usize..(whole.begin + whole.count) as usize].to_vec();
+            pin(&mut points, ends, span.t);
+            self.track.append(points, closed);
+            return Ok(Contour::single(&self.cuts[span.cut as usize], *span));
         }
-        let closed = chain[0].span.junctions[0].is_some();
         let n = chain.len() as f64;
-        let (mut spans, mut pieces, mut points) = (Vec::new(), Vec::new(), Vec::new());
+        let mut points = Vec::new();
         for (k, stretch) in chain.iter().enumerate() {
-            let span = Span { junctions: stretch.span.junctions.map(|j| j.map(|j| self.name(j))), ..stretch.span };
             self.points(stretch, &|share| (k as f64 + share) / n, &mut points);
-            let start = span.junctions[0].map(|j| self.junctions[j as usize].point);
-            pieces.push(Piece { cut: self.cuts[span.cut as usize].clone(), span, start });
-            spans.push(span);
         }
         if let (false, Some(last)) = (closed, chain.last()) {
             let end = &self.curves.points[self.curves.points[last.to.segment as usize].next as usize];
             points.push(TrackPoint { t: 1.0, legs: Vec::new(), ..end.clone() });
+            pin(&mut points, ends, [0.0, 1.0]);
         }
         self.track.append(points, closed);
-        Contour { spans, curve: Arc::new(Joined { pieces, closed }), heading: Heading::Along }
+        let piece = |span: &Span| {
+            let start = span.junctions[0].map(|j| self.junctions[j as usize].point);
+            Piece { cut: self.cuts[span.cut as usize].clone(), span: *span, start }
+        };
+        let pieces = spans.iter().map(piece).collect();
+        Ok(Contour { spans, curve: Arc::new(Joined { pieces, closed }), heading: Heading::Along })
+    }
+
+    /// A span with the junctions named that count.
+    fn named(&mut self, span: &Span) -> Span {
+        Span { junctions: span.junctions.map(|j| j.map(|j| self.name(j))), ..*span }
+    }
+
+    /// Joins both ends of a chain to the borders that they lie on; returns the points there.
+    fn ends(&mut self, chain: &[&Stretch], spans: &mut [Span]) -> Result<[Option<DVec3>; 2], RemeshError> {
+        let mut points = [None; 2];
+        let last = chain.len() - 1;
+        for (which, k) in [(0, 0), (1, last)] {
+            let near = if which == 0 { chain[k].from } else { chain[k].to };
+            let Some(meeting) = junction::leave(self.borders, self.curves, self.cuts, near, self.options)? else {
+                continue;
+            };
+            let span = &mut spans[k];
+            span.t[which] = meeting.t[1];
+            span.u[which] = meeting.junction.ends[1].1;
+            span.junctions[which] = Some(self.junctions.len() as u32);
+            self.junctions.push(meeting.junction);
+            points[which] = Some(meeting.junction.point);
+        }
+        Ok(points)
     }
 
     /// The number of a junction, given when it is first met.
@@ -475,6 +518,17 @@ impl Builder<'_> {
             points[last].legs.extend(p.legs.iter().filter_map(|leg| clipped(leg, part)));
         }
         points[begin..].iter_mut().for_each(|p| share_out(&mut p.legs));
+    }
+}
+
+/// Puts both ends of a track where its junctions are.
+fn pin(points: &mut [TrackPoint], ends: [Option<DVec3>; 2], t: [f64; 2]) {
+    let last = points.len() - 1;
+    for (which, k) in [(0, 0), (1, last)] {
+        if let Some(point) = ends[which] {
+            points[k].position = point;
+            points[k].t = t[which];
+        }
     }
 }
 

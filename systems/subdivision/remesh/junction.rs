@@ -2,10 +2,12 @@
 
 use glam::DVec3;
 use selvedge_components::curve::{Branch, Curve, Heading, tangent, wrap};
+use selvedge_components::subdivision::Border;
 use selvedge_components::subdivision::remesh::RemeshError;
 use selvedge_components::trim::{BorderLine, Junction};
 
 use super::Cut;
+use super::borders::{Borders, PlainBorder, given_parameter, is_straight};
 use super::crossing::Crossing;
 use super::track::{Near, Track};
 
@@ -63,17 +65,58 @@ pub(super) fn meet(
     let gap = point.distance(lines[1].position(t[1]));
     let u = ends.map(|end| end.1);
     let angle = angle(&lines, t).to_degrees();
-    if !(angle >= options.angle) {
+    if angle < options.angle || angle.is_nan() {
         let along = along_each_other(&lines, t, track, crossing);
         return Err(match along {
             Some(distance) => RemeshError::Coincident { curves: indices, u, at: point, distance },
             None => RemeshError::Tangential { curves: indices, u, at: point, angle, limit: options.angle },
         });
     }
-    if !(gap <= options.gap) {
+    if gap > options.gap || gap.is_nan() {
         return Err(RemeshError::Gap { curves: indices, u, at: point, gap, limit: options.gap });
     }
     Ok(Meeting { junction: Junction { point, ends, gap }, t })
+}
+
+/// The junction where a cut ends on a border of the source, at `near`; the cut's travel is the second.
+///
+/// # Errors
+/// [`RemeshError::BorderGap`], [`RemeshError::AlongBorder`].
+pub(super) fn leave(
+    borders: &Borders<'_>,
+    track: &Track,
+    cuts: &[Cut],
+    near: Near,
+    options: &JunctionOptions,
+) -> Result<Option<Meeting>, RemeshError> {
+    let curve = track.points[near.segment as usize].curve as usize;
+    let Some((s, x)) = borders.place(track.source(near)) else { return Ok(None) };
+    let side = &borders.surface.sides[s as usize];
+    let plain;
+    let (border, start): (&dyn Curve, f64) = match &side.border {
+        Border::Given { curve: given, .. } => (&**given.curve(), given_parameter(side, given, x, None)),
+        Border::Plain => {
+            plain = PlainBorder::new(borders.surface, side);
+            (&plain, x / side.edge_count() as f64)
+        }
+    };
+    let lines = [Line { curve: border, sign: 1.0, start }, Line::new(&cuts[curve], track, near)];
+    let t = nearest(&lines);
+    let ends =
+        [(BorderLine::Side(s as usize), lines[0].parameter(t[0])), (BorderLine::Cut(curve), lines[1].parameter(t[1]))];
+    let (on_border, on_cut) = (lines[0].position(t[0]), lines[1].position(t[1]));
+    let (gap, u, at) = (on_border.distance(on_cut), ends[1].1, on_border);
+    let angle = angle(&lines, t).to_degrees();
+    if angle < options.angle || angle.is_nan() {
+        return Err(RemeshError::AlongBorder { curve, u, at, angle, limit: options.angle });
+    }
+    if gap > options.gap || gap.is_nan() {
+        return Err(RemeshError::BorderGap { curve, u, at, gap, limit: options.gap });
+    }
+    // A straight side stays plain: it has no samples, so the cut gives the bits.
+    let stays_plain = matches!(side.border, Border::Plain) && is_straight(borders.surface, side);
+    let point = if stays_plain { on_cut } else { on_border };
+    Ok(Some(Meeting { junction: Junction { point, ends, gap }, t }))
 }
 
 /// A curve in the direction of its travel.

@@ -17,6 +17,7 @@
 pub mod adapt;
 pub mod assemble;
 pub mod attach;
+mod borders;
 pub mod cleanup;
 pub mod closure;
 pub mod contour;
@@ -112,7 +113,7 @@ pub fn remesh(
 ) -> Result<Remeshed, RemeshError> {
     check(cuts, preimages)?;
     let corners = CornerTable::new(surface);
-    let plan = contour::arrange(&surface.mesh, cuts, preimages, &options.junctions)?;
+    let plan = contour::arrange(surface, cuts, preimages, &options.junctions)?;
     let mut options = *options;
     let deepest = options.adapt.finest;
     loop {
@@ -232,8 +233,9 @@ fn cut_once(
     for (cut, rim) in remains.loops.iter().enumerate() {
         let strip = attach::attach(track, cut as u32, rim, |v| (limit[v as usize], cage.normal(v)));
         strips.push(strip.map_err(|near| {
-            let at = rim.vertices.iter().find(|&&v| remains.near[v as usize].is_some());
-            let place = cage.place(at.copied().unwrap_or(0), near);
+            let away = |v: &&u32| limit[**v as usize].distance_squared(track.position(near));
+            let nearest = rim.vertices.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+            let place = cage.place(nearest.copied().unwrap_or(0), near);
             Trouble::TooCoarse { what: "too coarse between two corners", places: vec![place] }
         })?);
     }
@@ -302,14 +304,12 @@ fn crossed(adapted: &Adapted, track: &Track, leaves: &Leaves) -> Vec<(u32, u32)>
 
 /// Relaxes one strip.
 fn settle(strip: &mut attach::Strip, contour: &Contour, limit: &[DVec3], options: &RemeshOptions) -> Relaxed {
-    let mut sliders: Vec<Slider> = strip
-        .knots
-        .iter()
-        .map(|knot| {
-            let smooth = knot.kind == attach::KnotKind::Smooth;
-            Slider { t: knot.t, base: smooth.then(|| strip.base(knot).map(|v| limit[v as usize])) }
-        })
-        .collect();
+    let widths = strip.widths(|v| limit[v as usize]);
+    let slider = |(knot, width): (&attach::Knot, f64)| {
+        let smooth = knot.kind == attach::KnotKind::Smooth;
+        Slider { t: knot.t, base: smooth.then(|| strip.base(knot).map(|v| limit[v as usize])), width }
+    };
+    let mut sliders: Vec<Slider> = strip.knots.iter().zip(widths).map(slider).collect();
     let (curve, heading) = (&*contour.curve, contour.heading);
     let worst = |sliders: &[Slider], strip: &attach::Strip| {
         let knots: Vec<DVec3> =

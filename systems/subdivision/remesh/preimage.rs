@@ -85,10 +85,7 @@ pub fn trace(
     curve: &dyn Curve,
     options: TraceOptions,
 ) -> Result<PreImage, PreImageError> {
-    let mut knots: Vec<f64> = (0..=FIRST).map(|k| f64::from(k) / f64::from(FIRST)).collect();
-    knots.extend(curve.corners().iter().copied().filter(|u| (0.0..=1.0).contains(u)));
-    knots.sort_unstable_by(f64::total_cmp);
-    knots.dedup();
+    let knots = knots(curve, FIRST);
     let tracer = Tracer { mesh, target, curve, options };
     let mut points = vec![tracer.at(0.0, None)?];
     for pair in knots.windows(2) {
@@ -122,10 +119,7 @@ pub fn trace_parts(
     options: TraceOptions,
 ) -> Result<Vec<PreImage>, PreImageError> {
     let tracer = Tracer { mesh, target, curve, options };
-    let mut knots: Vec<f64> = (0..=LOOKS).map(|k| f64::from(k) / f64::from(LOOKS)).collect();
-    knots.extend(curve.corners().iter().copied().filter(|u| (0.0..=1.0).contains(u)));
-    knots.sort_unstable_by(f64::total_cmp);
-    knots.dedup();
+    let knots = knots(curve, LOOKS);
     let seen: Vec<Option<PathPoint>> = knots.iter().map(|&u| tracer.inside(u)).collect::<Result<_, _>>()?;
     if seen.iter().all(Option::is_some) && curve.closed() {
         return Ok(vec![trace(mesh, target, curve, options)?]);
@@ -164,6 +158,23 @@ pub fn trace_parts(
 
 /// How often a curve that may leave the surface is looked at to begin with.
 const LOOKS: u32 = 64;
+
+/// Where a curve is looked at to begin with, ascending: at `count` even steps and at its corners. A
+/// step next to a corner is left out: a piece between the two would be shorter than all others, at
+/// worst by rounding alone, and pieces of which nothing but rounding is left seem to cross.
+fn knots(curve: &dyn Curve, count: u32) -> Vec<f64> {
+    const NEXT_TO: f64 = 1.0 / 64.0;
+    let step = 1.0 / f64::from(count);
+    let inside = |u: &f64| NEXT_TO * step < *u && *u < 1.0 - NEXT_TO * step;
+    let corners: Vec<f64> = curve.corners().iter().copied().filter(inside).collect();
+    let even = (1..count).map(|k| f64::from(k) * step);
+    let away = even.filter(|u| corners.iter().all(|corner| (corner - u).abs() > NEXT_TO * step));
+    let mut knots: Vec<f64> = away.chain([0.0, 1.0]).collect();
+    knots.extend(&corners);
+    knots.sort_unstable_by(f64::total_cmp);
+    knots.dedup();
+    knots
+}
 
 struct Tracer<'a> {
     mesh: &'a Connectivity,

@@ -92,7 +92,7 @@ impl Cage<'_> {
     /// Cuts the cage. `crossed` lists triangles with a segment that crosses them; `stays` tells of
     /// one that no segment crosses whether it lies on the left of all curves.
     pub fn cut(&self, crossed: &[(u32, u32)], stays: &dyn Fn(usize) -> bool) -> Result<Remains, Trouble> {
-        let near = spread(self.track, self.triangles, self.limit, crossed.iter().copied());
+        let near = spread(self.track, self.triangles, self.limit, crossed.iter().copied(), |_| true);
         let mut fates = vec![Fate::Kept; self.triangles.len()];
         crossed.iter().for_each(|&(f, _)| fates[f as usize] = Fate::Cut);
         for (fate, corners) in fates.iter_mut().zip(self.triangles) {

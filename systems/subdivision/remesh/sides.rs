@@ -9,14 +9,14 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use selvedge_components::curve::{Curve, CurveParameters, Extent, Heading, wrap};
-use selvedge_components::evaluate::SurfacePoint;
-use selvedge_components::mesh::{Connectivity, EdgeId, HalfedgeId, VertexId};
-use selvedge_components::subdivision::{Address, Border, Ends, LoopSurface, Side};
+use selvedge_components::mesh::{Connectivity, EdgeId, VertexId};
+use selvedge_components::subdivision::{Address, Border, Ends, Side};
 use selvedge_components::trim::BorderLine;
 
 use super::Work;
 use super::assemble::{Parts, SideOrigin, Vertex};
 use super::attach::KnotKind;
+use super::borders::{Borders, PlainBorder, given_parameter, is_straight};
 use super::contour::{Contour, Spot};
 use super::error::RemeshError;
 use super::remove::{Place as CurvePlace, Trouble};
@@ -123,56 +123,6 @@ fn check_ends(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, border: &[V
     Ok(())
 }
 
-/// Where the border edges of the source lie on its sides.
-struct Borders<'a> {
-    surface: &'a LoopSurface,
-    /// By edge: the side and the step.
-    of_edge: Vec<Option<(u32, u32)>>,
-}
-
-impl<'a> Borders<'a> {
-    fn new(surface: &'a LoopSurface) -> Self {
-        let mesh = &surface.mesh;
-        let mut of_edge = vec![None; mesh.edge_count()];
-        for (s, side) in surface.sides.iter().enumerate() {
-            for (step, &v) in side.vertices[..side.edge_count()].iter().enumerate() {
-                of_edge[mesh.edge(mesh.outgoing(v)).index()] = Some((s as u32, step as u32));
-            }
-        }
-        Self { surface, of_edge }
-    }
-
-    /// The border edge that leaves or reaches the vertex at `address`.
-    fn edge(&self, address: Address, leaving: bool) -> Option<EdgeId> {
-        let mesh = &self.surface.mesh;
-        match address {
-            Address::Edge(e, _) => Some(e),
-            Address::Corner(v) if leaving => Some(mesh.edge(mesh.outgoing(v))),
-            Address::Corner(v) => mesh.ring(v).last().map(|h| mesh.edge(h.previous())),
-            Address::Face(..) => None,
-        }
-    }
-
-    /// How far along its edge a vertex of level `birth` is, in the direction of the side.
-    fn within(&self, e: EdgeId, steps: u32, birth: u32) -> f64 {
-        let mesh = &self.surface.mesh;
-        let h = mesh.halfedge(e);
-        let share = f64::from(steps) / f64::from(1_u32 << birth);
-        if mesh.from(h) < mesh.to(h) { share } else { 1.0 - share }
-    }
-
-    /// The side and the place on it of a point on the border.
-    fn place(&self, at: SurfacePoint) -> Option<(u32, f64)> {
-        let mesh = &self.surface.mesh;
-        let weights = [1.0 - at.st.x - at.st.y, at.st.x, at.st.y];
-        let on_border = |i: &usize| mesh.twin(HalfedgeId::of(at.face, *i)).is_none();
-        let off = |i: usize| weights[(i + 2) % 3].abs();
-        let i = (0..3).filter(on_border).min_by(|&a, &b| off(a).total_cmp(&off(b)))?;
-        let (side, step) = self.of_edge[mesh.edge(HalfedgeId::of(at.face, i)).index()]?;
-        Some((side, f64::from(step) + weights[(i + 1) % 3].clamp(0.0, 1.0)))
-    }
-}
-
 /// Cuts one border loop into runs.
 fn split(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, border: &[VertexId], runs: &mut Vec<Run>) {
     let n = border.len();
@@ -249,6 +199,12 @@ fn given_at(side: &Side, step: u64) -> f64 {
     }
 }
 
+/// The point of a given side after so many steps of a level.
+fn sample_at(side: &Side, level: u32, step: u64) -> Option<DVec3> {
+    let Border::Given { curve, .. } = &side.border else { return None };
+    Some(curve.sample(level, side.curve_index(level, step)?))
+}
+
 /// The parameters along a strip.
 pub(super) struct StripParameters {
     /// Of each stretch of its contour.
@@ -263,8 +219,9 @@ pub(super) struct StripParameters {
 pub(super) fn strip_parameters(work: &Work<'_>, s: u32) -> Result<StripParameters, Trouble> {
     let strip = &work.strips[s as usize];
     let contour = &work.plan.contours[strip.cut as usize];
-    let spots = strip.knots.iter().map(|knot| match knot.kind {
-        KnotKind::Smooth | KnotKind::End => contour.spot(work.cuts, knot.t),
+    let spots = strip.knots.iter().enumerate().map(|(k, knot)| match knot.kind {
+        KnotKind::Smooth => contour.spot(work.cuts, knot.t),
+        KnotKind::End => contour.end(usize::from(k > 0)),
         KnotKind::Convex | KnotKind::Concave => contour.corner(work.cuts, knot.t),
     });
     let mut out = StripParameters { spans: Vec::new(), spots: spots.collect(), indices: vec![0; strip.knots.len()] };
@@ -307,10 +264,7 @@ fn members(spots: &[Spot], closed: bool, contour: &Contour, span: u32) -> Vec<us
     let order = (first + 1..if closed { first + n } else { n }).map(|k| k % n);
     let mut members = vec![first];
     members.extend(order.clone().take_while(is_inside));
-    // A stretch that ends in a junction ends where the next begins.
-    if contour.spans[span as usize].junctions[1].is_some() {
-        members.push((first + members.len()) % n);
-    }
+    members.push((first + members.len()) % n);
     members
 }
 
@@ -335,6 +289,8 @@ struct Place {
     x: f64,
     /// The level whose control point the vertex has; `None` where a curve ends on the side.
     level: Option<u32>,
+    /// The parameter of the junction where a curve ends on the side.
+    end: Option<f64>,
 }
 
 /// What is left of a side of the source.
@@ -374,28 +330,29 @@ fn source_side(
     let border = match &side.border {
         Border::Plain if uniform || is_straight(work.surface, side) => Border::Plain,
         Border::Plain => {
-            out.touched.extend(&run.vertices);
             let curve: Arc<dyn Curve> = Arc::new(PlainBorder::new(work.surface, side));
-            let u = places.iter().map(|p| p.x / whole).collect();
+            let u = places.iter().map(|p| p.end.unwrap_or(p.x / whole)).collect();
             given(&curve, u, Heading::Along, run.ends, s)?
         }
         Border::Given { curve, heading, .. } => {
-            let u = places.iter().enumerate().map(|(i, p)| {
-                let near = given_parameter(side, curve, p);
-                // Where a cut ends on the side, its point is nearest to a place between samples.
-                let at = parts.limit[run.vertices[i].index()];
-                if p.level.is_some() { near } else { closest_parameter(&**curve.curve(), near, at) }
-            });
+            let u = places.iter().map(|p| p.end.unwrap_or_else(|| given_parameter(side, curve, p.x, p.level)));
             given(curve.curve(), u.collect(), *heading, run.ends, s)?
         }
     };
     let side_now = Side { vertices: run.vertices, ends: run.ends, border };
-    if let (Border::Plain, Border::Given { curve, .. }) = (&side.border, &side_now.border) {
-        for (i, &v) in side_now.vertices.iter().enumerate() {
-            if let (Vertex::Lattice(l), Some(index)) = (parts.vertices[v.index()], side_now.curve_index(0, i as u64)) {
-                let d = curve.sample(0, index) - work.adapted.vertices[l as usize].point;
-                out.details.push((v, d));
-            }
+    for (i, place) in places.iter().enumerate() {
+        let v = side_now.vertices[i];
+        let (Vertex::Lattice(l), Some(sample)) = (parts.vertices[v.index()], sample_at(&side_now, 0, i as u64)) else {
+            continue;
+        };
+        // Where the border's samples moved along it, the effective points stay what they were.
+        let before = place.level.and_then(|level| {
+            let steps = (place.x * (1_u64 << level) as f64).round() as u64;
+            sample_at(side, level, steps)
+        });
+        if before != Some(sample) {
+            out.touched.push(v);
+            out.details.push((v, sample - work.adapted.vertices[l as usize].point));
         }
     }
     let range = if matches!(side.border, Border::Plain) { range } else { range_of(&side_now, range) };
@@ -423,41 +380,17 @@ fn place_of(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, v: VertexId, 
                 // Of the two edges at a vertex, the one of this side.
                 address => borders.edge(address, !last).map_or(0.0, |e| step(e) + f64::from(u8::from(last))),
             };
-            Place { x, level }
+            Place { x, level, end: None }
         }
         Vertex::Knot(s, k) => {
             let strip = &work.strips[s as usize];
             let near = work.plan.track.place_of_parameter(strip.cut, strip.knots[k as usize].t);
-            Place { x: borders.place(work.plan.track.source(near)).map_or(0.0, |p| p.1), level: None }
+            let x = borders.place(work.plan.track.source(near)).map_or(0.0, |p| p.1);
+            let junction = work.parameters[s as usize].spots[k as usize].junction;
+            let end = junction.map(|j| work.plan.junctions[j as usize].ends[0].1);
+            Place { x, level: None, end }
         }
     }
-}
-
-/// The parameter that a given side's own hierarchy has at a place, unwrapped along the curve.
-fn given_parameter(side: &Side, curve: &CurveParameters, place: &Place) -> f64 {
-    // A place between vertices is looked up on a level so fine that the next one is as good.
-    let level = place.level.unwrap_or(BETWEEN);
-    let steps = (place.x * (1_u64 << level) as f64).round() as u64;
-    side.curve_index(level, steps).map_or(0.0, |index| {
-        if place.level.is_some() { curve.coefficient(level, index) } else { curve.parameter(level, index) }
-    })
-}
-
-/// The level on which places between vertices are looked up, to begin the search for the nearest.
-const BETWEEN: u32 = 6;
-
-/// The parameter near `u` at which `curve` is nearest to `x`: Newton on the derivative of the
-/// distance, without the curve's own bend, which hardly counts where the distance is small.
-fn closest_parameter(curve: &dyn Curve, mut u: f64, x: DVec3) -> f64 {
-    for _ in 0..20 {
-        let (off, along) = (x - curve.position(u), curve.derivative(u));
-        let step = off.dot(along) / along.length_squared();
-        if !step.is_finite() || step == 0.0 {
-            break;
-        }
-        u += step;
-    }
-    u
 }
 
 /// A given border through these parameters, in the order of the side's vertices.
@@ -471,100 +404,14 @@ fn given(
     if heading == Heading::Against {
         u.reverse();
     }
-    // Unwrapped along the curve.
-    for i in 1..u.len() {
-        while curve.closed() && u[i] <= u[i - 1] {
-            u[i] += 1.0;
-        }
-    }
     let count = u.len();
     let mut first = if heading == Heading::Along { 0 } else { count - 1 };
     if ends == Ends::Closed {
-        u.iter_mut().for_each(|u| *u -= u.floor());
+        u.iter_mut().for_each(|u| *u = wrap(*u));
         let smallest = (0..count).min_by(|&a, &b| u[a].total_cmp(&u[b])).unwrap_or(0);
         u.rotate_left(smallest);
         first = (first + count - smallest) % count;
     }
     let curve = parameters(curve, u, ends == Ends::Closed, &[], side)?;
     Ok(Border::Given { curve, first: first as u64, heading })
-}
-
-/// Do all control points of a plain side lie on one line, in order along it?
-fn is_straight(surface: &LoopSurface, side: &Side) -> bool {
-    if side.ends == Ends::Closed {
-        return false;
-    }
-    let points: Vec<DVec3> = side.vertices.iter().map(|&v| effective(surface, v)).collect();
-    let (a, b) = (points[0], points[points.len() - 1]);
-    let way = (b - a).normalize_or_zero();
-    let size = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-    // What rounding of the coordinates alone does.
-    let slack = 8.0 * f64::EPSILON * size;
-    points.windows(2).all(|p| (p[1] - p[0]).dot(way) > 0.0)
-        && points.iter().all(|&p| (p - a - way * (p - a).dot(way)).length() <= slack)
-}
-
-fn effective(surface: &LoopSurface, v: VertexId) -> DVec3 {
-    surface.points[v.index()] + surface.details.at(0, Address::Corner(v))
-}
-
-/// The border that a plain side has: a uniform cubic B-spline; at a corner it ends in the control
-/// point there, as if the next one beyond were the mirror image of the one before.
-#[derive(Debug)]
-struct PlainBorder {
-    points: Vec<DVec3>,
-    ends: Ends,
-}
-
-impl PlainBorder {
-    fn new(surface: &LoopSurface, side: &Side) -> Self {
-        Self { points: side.vertices.iter().map(|&v| effective(surface, v)).collect(), ends: side.ends }
-    }
-
-    fn control(&self, i: i64) -> DVec3 {
-        let n = self.points.len() as i64;
-        let at = |i: i64| self.points[i as usize];
-        match self.ends {
-            Ends::Closed => at(i.rem_euclid(n)),
-            Ends::Corners if i < 0 => 2.0 * at(0) - at(1),
-            Ends::Corners if i >= n => 2.0 * at(n - 1) - at(n - 2),
-            Ends::Corners => at(i),
-        }
-    }
-
-    fn spans(&self) -> usize {
-        self.points.len() - usize::from(self.ends == Ends::Corners)
-    }
-
-    /// The first control point that counts at `u`, and how far beyond its successor `u` is.
-    fn span(&self, u: f64) -> (i64, f64) {
-        let n = self.spans() as f64;
-        let x = match self.ends {
-            Ends::Closed => (u - u.floor()) * n,
-            Ends::Corners => u.clamp(0.0, 1.0) * n,
-        };
-        let i = x.floor().min(n - 1.0);
-        (i as i64 - 1, x - i)
-    }
-}
-
-impl Curve for PlainBorder {
-    fn position(&self, u: f64) -> DVec3 {
-        let (i, t) = self.span(u);
-        let (s, t2) = (1.0 - t, t * t);
-        let weights = [s * s * s, 4.0 + t2 * (3.0 * t - 6.0), 1.0 + 3.0 * t * (1.0 + t * s), t2 * t].map(|w| w / 6.0);
-        (i..).zip(weights).fold(DVec3::ZERO, |sum, (i, w)| sum + w * self.control(i))
-    }
-
-    fn derivative(&self, u: f64) -> DVec3 {
-        let (i, t) = self.span(u);
-        let s = 1.0 - t;
-        let weights = [-s * s, t * (3.0 * t - 4.0), 1.0 + t * (2.0 - 3.0 * t), t * t].map(|w| 0.5 * w);
-        let sum = (i..).zip(weights).fold(DVec3::ZERO, |sum, (i, w)| sum + w * self.control(i));
-        sum * self.spans() as f64
-    }
-
-    fn closed(&self) -> bool {
-        self.ends == Ends::Closed
-    }
 }

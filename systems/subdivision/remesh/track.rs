@@ -366,12 +366,14 @@ pub fn size(corners: [DVec3; 3]) -> f64 {
 /// for (the greatest is a `near` of some sizes).
 const SPREAD: f64 = 4.0;
 
-/// The nearest place of `track` for the vertices near it. `seeds` are triangles that segments cross.
+/// The nearest place of `track` for the vertices near it. `seeds` are triangles that segments cross;
+/// only places on segments that count are nearest ones.
 pub fn spread(
     track: &Track,
     triangles: &[[u32; 3]],
     positions: &[DVec3],
     seeds: impl IntoIterator<Item = (u32, u32)>,
+    counts: impl Fn(u32) -> bool,
 ) -> Vec<Option<Near>> {
     let around = Around::new(positions.len(), triangles);
     let mut near: Vec<Option<Near>> = vec![None; positions.len()];
@@ -381,7 +383,7 @@ pub fn spread(
             return;
         }
         let found = track.nearest(segment, positions[v as usize]);
-        if near[v as usize].is_none_or(|old| found.distance < old.distance) {
+        if counts(found.segment) && near[v as usize].is_none_or(|old| found.distance < old.distance) {
             near[v as usize] = Some(found);
             queue.push_back(v);
         }

@@ -6,15 +6,17 @@
 //! samples are such points, and lie as near to the result as the samples to them. Borders are
 //! compared with the curves themselves; edges, loops and pieces are counted.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
+use glam::DVec3;
 use selvedge_components::curve::Traversal;
 use selvedge_components::evaluate::{Evaluate, SurfacePoint};
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
-use selvedge_components::subdivision::{Border, FaceCode, LoopSurface};
+use selvedge_components::subdivision::{Border, Ends, FaceCode, LoopSurface};
 use selvedge_components::trim::{TrimAudit, TrimAuditFault, TrimFault, TrimOptions, TrimQuantum};
 
 use super::ground::Ground;
+use crate::closest::SurfaceIndex;
 use crate::foot;
 use crate::parallel::map_in_order;
 use crate::subdivision::limit::LimitSurface;
@@ -29,9 +31,13 @@ pub struct TrimAuditWork {
     ground: Arc<Ground>,
     remeshed: Arc<Remeshed>,
     surface: Arc<LoopSurface>,
-    limit: LimitSurface,
+    limit: Arc<LimitSurface>,
+    /// The result, ready to be searched everywhere: made when steps from a near place find no foot.
+    searched: OnceLock<Option<SurfaceIndex<LimitSurface>>>,
     /// The distance allowed, if one was asked for.
     allowed: Option<f64>,
+    /// A foot as near as this is taken for the right one; one that is farther is sought elsewhere, too.
+    near: f64,
     samples: u32,
     seed: u64,
     omega: Vec<FaceCode>,
@@ -55,7 +61,10 @@ impl TrimAuditWork {
             LimitSurface::new(Arc::clone(&surface)).map_err(|why| TrimFault::Unevaluated { why: why.to_string() })?;
         let (omega, samples, seed) = (remeshed.omega(), options.samples, options.seed);
         let found = TrimAudit::default();
-        Ok(Self { ground, remeshed, surface, limit, allowed, samples, seed, omega, measured: 0, found })
+        // Without a tolerance, what is a thousandth of an edge off is looked at twice.
+        let near = allowed.map_or(1e-3 * ground.edge, |allowed| 0.5 * allowed);
+        let (limit, searched) = (Arc::new(limit), OnceLock::new());
+        Ok(Self { ground, remeshed, surface, limit, searched, allowed, near, samples, seed, omega, measured: 0, found })
     }
 
     /// What is measured.
@@ -100,20 +109,39 @@ impl TrimAuditWork {
         for _ in 0..self.samples {
             let weights = draw.weights();
             let x = self.limit.position(SurfacePoint::new(face, weights[1], weights[2]));
-            // The places that stand for the corners, the nearest first.
-            let mut starts = [0, 1, 2];
-            starts.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
-            let starts = starts.map(|c: usize| self.remeshed.natural[corners[c].index()]);
-            let off = foot::distance(&**source, &self.ground.surface.mesh, starts, x, 0.0);
+            // The place that stands for the nearest corner.
+            let heaviest = (1..3).fold(0, |best, c| if weights[c] > weights[best] { c } else { best });
+            let start = self.remeshed.natural[corners[heaviest].index()];
+            let off = self.to_source(start, x);
             farther(&mut found, &TrimAudit { to_source: off, to_source_at: x, samples: 1, ..TrimAudit::default() });
             if let FaceOrigin::Leaf { level, code } = origin {
                 let y = source.position(on_root(level, code, draw.weights_near(weights)));
-                let starts = [SurfacePoint::new(face, weights[1], weights[2])];
-                let off = foot::distance(&self.limit, &self.surface.mesh, starts, y, 0.0);
+                let off = self.to_result(SurfacePoint::new(face, weights[1], weights[2]), y);
                 farther(&mut found, &TrimAudit { to_result: off, to_result_at: y, samples: 1, ..TrimAudit::default() });
             }
         }
         found
+    }
+
+    /// The distance of a point of the result to the source: by steps from `start`, or if those lead to
+    /// no near foot, by a search everywhere.
+    fn to_source(&self, start: SurfacePoint, x: DVec3) -> f64 {
+        let off = foot::distance(&**self.ground.limit(), &self.ground.surface.mesh, [start], x, 0.0);
+        if off <= self.near {
+            return off;
+        }
+        self.ground.index.closest(x).map_or(off, |found| off.min(found.distance))
+    }
+
+    /// The distance of a point of the source to the result, likewise.
+    fn to_result(&self, start: SurfacePoint, y: DVec3) -> f64 {
+        let off = foot::distance(&*self.limit, &self.surface.mesh, [start], y, 0.0);
+        if off <= self.near {
+            return off;
+        }
+        let index = self.searched.get_or_init(|| SurfaceIndex::new(Arc::clone(&self.limit)).ok());
+        let found = index.as_ref().and_then(|index| index.closest(y).ok());
+        found.map_or(off, |found| off.min(found.distance))
     }
 
     fn judge_distances(&self, faults: &mut Vec<TrimAuditFault>) {
@@ -139,7 +167,9 @@ impl TrimAuditWork {
             let along = Traversal { first: *first, heading: *heading };
             // Vertices of the side, and places two levels below, through the evaluator.
             for level in [0, 2] {
-                for step in 0..(side.edge_count() as u64) << level {
+                // Where a side begins at a corner, the older of the two that meet gives the bits.
+                let first_step = u64::from(side.ends == Ends::Corners);
+                for step in first_step..(side.edge_count() as u64) << level {
                     let u = curve.parameter(level, along.vertex(curve, level, step));
                     let (edge, part) = ((step >> level) as usize, step & ((1 << level) - 1));
                     let ends = [edge, (edge + 1) % side.vertices.len()].map(|i| side.vertices[i]);

@@ -15,6 +15,7 @@
 //! to, or measured against, the result of another trim, so however many there are nothing drifts.
 
 mod admit;
+mod advance;
 mod audit;
 mod compose;
 mod ground;
@@ -22,16 +23,18 @@ mod group;
 mod locate;
 mod rename;
 mod system;
+mod traces;
 mod work;
 mod zone;
 
-pub use admit::{Candidate, Source, Verdict, anything_changed, verdict};
+pub use admit::{Candidate, Known, Reads, Source, Verdict, admit_trims, anything_changed, verdict};
+pub use advance::advance_trims;
 pub use audit::TrimAuditWork;
-pub use compose::{ComposedOf, Misfit, Solved, ZoneOf, compose};
+pub use compose::{ComposedOf, Misfit, Solved, ZoneOf, compose, compose_results};
 pub use ground::Ground;
 pub use group::{Group, groups};
 pub use locate::{LocateWork, Located};
-pub use system::{Known, admit_trims, advance_trims, audit_trims, compose_results, locate_trims, remesh_trims};
+pub use system::{audit_trims, locate_trims, remesh_trims};
 pub use work::{Blamed, TrimWork, fit_options};
 pub use zone::{Zone, ZoneSide, reserve};
 

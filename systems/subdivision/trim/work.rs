@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use bevy_ecs::prelude::Component;
+use glam::DVec3;
 use selvedge_components::budget::Budgets;
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::VertexId;
@@ -11,7 +12,9 @@ use selvedge_components::subdivision::remesh::{PreImageError, RemeshError};
 use selvedge_components::subdivision::{FaceCode, LoopSurface};
 use selvedge_components::target::{Guarded, Target};
 use selvedge_components::tolerance::Tolerance;
-use selvedge_components::trim::{TrimFault, TrimOptions, TrimQuantum, TrimReport, TrimStage, TrimmedCage};
+use selvedge_components::trim::{
+    TrimAuditFault, TrimFault, TrimOptions, TrimQuantum, TrimReport, TrimStage, TrimmedCage,
+};
 use thiserror::Error;
 
 use super::audit::TrimAuditWork;
@@ -23,7 +26,7 @@ use crate::closest::Search;
 use crate::subdivision::fit::FitWork;
 use crate::subdivision::region;
 use crate::subdivision::relax::shape;
-use crate::subdivision::remesh::{self, Cut, FaceOrigin, PreImage, RemeshOptions, Remeshed};
+use crate::subdivision::remesh::{self, Cut, FaceOrigin, JunctionOptions, PreImage, RemeshOptions, Remeshed};
 
 /// Trims in progress that are made together: all their dense state, but for that of their fit.
 ///
@@ -136,7 +139,8 @@ impl TrimWork {
             self.prepare().map_err(|why| self.newest(why))?;
             return Ok(TrimQuantum::More);
         }
-        let options = RemeshOptions { reach: self.options.reach, ..RemeshOptions::default() };
+        let junctions = self.tolerance.map_or_else(JunctionOptions::default, |t| JunctionOptions::within(t.fit));
+        let options = RemeshOptions { reach: self.options.reach, junctions, ..RemeshOptions::default() };
         let (cuts, images): (Vec<Cut>, Vec<PreImage>) = self.parts().map(|(c, p)| (c.clone(), p.clone())).unzip();
         let remeshed = remesh::remesh(&self.ground.surface, &cuts, &images, &options).map_err(|why| self.blame(why))?;
         if !self.keeps_to_its_zone(&remeshed) {
@@ -163,9 +167,36 @@ impl TrimWork {
         Blamed { trim: self.members.len().saturating_sub(1), why }
     }
 
+    /// A failure at a place is that of the trim whose curve is nearest; one at no place the newest's.
+    pub fn nearest(&self, why: TrimFault) -> Blamed {
+        let Some(at) = place_of(&why) else { return self.newest(why) };
+        let away = |image: &PreImage| {
+            let distances = image.points.iter().map(|p| p.position.distance_squared(at));
+            distances.fold(f64::INFINITY, f64::min)
+        };
+        let owners = self.owners().into_iter().map(|owner| owner.0);
+        let nearest = self.parts().zip(owners).map(|((_, image), trim)| (away(image), trim));
+        match nearest.reduce(|a, b| if b.0 < a.0 { b } else { a }) {
+            Some((_, trim)) => Blamed { trim, why },
+            None => self.newest(why),
+        }
+    }
+
     /// Names the trim whose curve an error is about, and the curve as that trim counts its own.
     fn blame(&self, mut why: RemeshError) -> Blamed {
         let owners = self.owners();
+        if let RemeshError::Gap { curves, .. }
+        | RemeshError::Tangential { curves, .. }
+        | RemeshError::Coincident { curves, .. } = &mut why
+        {
+            // Of two that do not go together, the newer one is in the way.
+            let newer = owners.get(curves[1]).map(|owner| owner.0);
+            *curves = curves.map(|part| owners.get(part).map_or(part, |owner| owner.1));
+            return match newer {
+                Some(trim) => Blamed { trim, why: why.into() },
+                None => self.newest(why.into()),
+            };
+        }
         let blamed = match &mut why {
             RemeshError::PreImage { source: PreImageError::Crossing { curves, .. }, curve } => {
                 // Of two curves that cross, the newer one is in the way.
@@ -177,7 +208,10 @@ impl TrimWork {
             | RemeshError::Open { curve, .. }
             | RemeshError::DoesNotSeparate { curve, .. }
             | RemeshError::TooFine { curve, .. }
-            | RemeshError::NothingOnLeft { curve, .. }
+            | RemeshError::Tangled { curve, .. }
+            | RemeshError::Cusp { curve, .. }
+            | RemeshError::BorderGap { curve, .. }
+            | RemeshError::AlongBorder { curve, .. }
             | RemeshError::Unresolved { curve, .. } => {
                 let part = *curve;
                 Some((curve, part))
@@ -203,7 +237,8 @@ impl TrimWork {
             self.audit = Some(audit.map_err(|why| self.newest(why))?);
             return Ok(TrimQuantum::More);
         };
-        audit.advance().map_err(|why| self.newest(why))
+        let step = audit.advance();
+        step.map_err(|why| self.nearest(why))
     }
 
     /// What is left of the source, once the audit has begun.
@@ -263,10 +298,24 @@ impl TrimWork {
         let Some(mut fit) = self.take_fit() else { return Err(self.newest(RemeshError::NoCurves.into())) };
         match fit.run().map_err(|why| self.newest(why.into()))? {
             Outcome::Within => {}
-            outcome => return Err(self.newest(TrimFault::NotReached { outcome })),
+            outcome => return Err(self.nearest(TrimFault::NotReached { outcome })),
         }
         while self.audit(&fit)? == TrimQuantum::More {}
         Ok(fit)
+    }
+}
+
+/// Where something went wrong, if that is one place.
+fn place_of(why: &TrimFault) -> Option<DVec3> {
+    match why {
+        TrimFault::NotReached { outcome: Outcome::LevelsSpent { at, .. } | Outcome::OutOfReach { at, .. } } => {
+            Some(*at)
+        }
+        TrimFault::Audit { faults } => faults.iter().find_map(|fault| match fault {
+            TrimAuditFault::Distance { at, .. } | TrimAuditFault::OffCurve { at, .. } => Some(*at),
+            _ => None,
+        }),
+        _ => None,
     }
 }
 

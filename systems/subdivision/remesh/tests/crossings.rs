@@ -3,7 +3,7 @@
 use core::f64::consts::TAU;
 use std::sync::Arc;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use selvedge_components::curve::Heading;
 use selvedge_components::subdivision::LoopSurface;
 
@@ -60,7 +60,7 @@ impl Plate {
 }
 
 /// A stadium about `centre`: two half circles and the straight lines between them, clockwise.
-fn stadium(centre: DVec2, half: f64, radius: f64, turn: f64) -> impl Fn(f64) -> DVec2 + Send + Sync {
+pub fn stadium(centre: DVec2, half: f64, radius: f64, turn: f64) -> impl Fn(f64) -> DVec2 + Send + Sync {
     let (arc, line) = (core::f64::consts::PI * radius, 2.0 * half);
     move |u| {
         let total = 2.0 * (arc + line);
@@ -192,7 +192,8 @@ fn a_slot_through_the_whole_plate_leaves_two_parts() {
     picture("split.svg", &result);
     judge_union(&plate, &cuts, &result);
     assert_eq!((result.surface.mesh.euler(), result.surface.mesh.border_loops().len()), (2, 2));
-    assert_eq!(result.junctions.len(), 2);
+    // Two where the curves cross, and four on the border.
+    assert_eq!(result.junctions.len(), 6);
 }
 
 /// A curve in the plane z = 0.
@@ -207,11 +208,52 @@ impl core::fmt::Debug for OnFlat {
 }
 
 impl Curve for OnFlat {
-    fn position(&self, u: f64) -> glam::DVec3 {
+    fn position(&self, u: f64) -> DVec3 {
         (self.plane)(u).extend(0.0)
     }
 
     fn closed(&self) -> bool {
         true
+    }
+}
+
+#[test]
+fn curves_that_pass_each_other_in_space_are_refused_by_their_gap() {
+    let plate = lattice(12, 0.05, |_, _| 0.0);
+    let walker = Walker::new(&plate);
+    let at = |x: f64, z: f64| -> Cut {
+        let circle = selvedge_components::curve::Circle::new(DVec3::new(x, 0.0, z), -DVec3::Z, 0.06);
+        Cut { curve: Arc::new(circle.expect("a circle")), heading: Heading::Along }
+    };
+    let cuts = [at(-0.03, 0.0), at(0.03, 1e-4)];
+    let options = TraceOptions { curve: 1e-3, step: 0.05 / 8.0 };
+    let images: Vec<_> = cuts.iter().map(|c| trace(&plate.mesh, &walker, &*c.curve, options).expect("a way")).collect();
+    let within =
+        |tolerance| RemeshOptions { junctions: JunctionOptions::within(tolerance), ..RemeshOptions::default() };
+    match remesh(&plate, &cuts, &images, &within(1e-4)) {
+        Err(RemeshError::Gap { curves: [0, 1], gap, limit, .. }) => {
+            assert!((gap - 1e-4).abs() < 1e-12 && limit == 1e-4 / 8.0);
+        }
+        other => panic!("{other:?}"),
+    }
+    let result = remesh(&plate, &cuts, &images, &within(1e-3)).expect("a cage");
+    assert!(result.junctions.iter().all(|j| (j.gap - 1e-4).abs() < 1e-12 && j.point.z == 0.0));
+}
+
+#[test]
+fn curves_that_touch_or_run_along_each_other_are_refused_by_their_angle() {
+    let plate = Plate::new(12);
+    let options = RemeshOptions::default();
+    let touching = plate.cut(&[plate.bore(-0.05999, 0.0, 0.06), plate.bore(0.05999, 0.0, 0.06)], &options).map(drop);
+    assert!(
+        matches!(touching, Err(RemeshError::Tangential { curves: [0, 1], angle, limit, .. }) if angle < limit),
+        "{touching:?}"
+    );
+    // The same corner of two polygons: their upper sides lie on one line.
+    let a = plate.polygon(&[(0.08, 0.07), (0.09, -0.06), (-0.07, -0.08), (-0.08, 0.07)]);
+    let b = plate.polygon(&[(0.14, 0.07), (0.12, -0.02), (0.0, 0.0), (0.01, 0.07)]);
+    for cuts in [[a.clone(), b], [a.clone(), a]] {
+        let found = plate.cut(&cuts, &options);
+        assert!(found.is_err(), "no cage with a wall of no width");
     }
 }

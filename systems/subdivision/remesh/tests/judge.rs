@@ -16,6 +16,8 @@ use crate::subdivision::{chain, region, relax::shape};
 pub struct Verdict {
     pub most_valence: u32,
     pub worst_shape: f64,
+    /// Where that triangle is.
+    pub worst_at: DVec3,
     /// Faces whose limit patch was found to have the source's bits.
     pub same: usize,
 }
@@ -38,9 +40,12 @@ pub fn judge_union(source: &LoopSurface, cuts: &[Cut], result: &Remeshed) -> Ver
     junctions_are_where_lines_meet(cuts, result);
     let inside = (0..mesh.vertex_count()).map(VertexId::new).filter(|&v| !mesh.is_border(v));
     let at = |v: VertexId| result.limit[v.index()];
+    let shapes = mesh.faces().iter().map(|f| (shape(f.map(at)), f.map(at).iter().sum::<DVec3>() / 3.0));
+    let (worst_shape, worst_at) = shapes.min_by(|a, b| a.0.total_cmp(&b.0)).expect("a face");
     Verdict {
+        worst_at,
         most_valence: inside.map(|v| mesh.valence(v)).max().unwrap_or(0),
-        worst_shape: mesh.faces().iter().map(|f| shape(f.map(at))).fold(f64::INFINITY, f64::min),
+        worst_shape,
         same: limit_patches_outside_are_the_same(source, result),
     }
 }

@@ -9,5 +9,7 @@ mod crossings;
 mod draw;
 mod judge;
 mod refusals;
+mod rims;
 mod shapes;
 pub(crate) mod support;
+mod sweep;

@@ -5,6 +5,7 @@
 //! beyond a curve, are found by flood: from what a trim has removed, over faces, up to other curves.
 
 mod roster;
+mod system;
 
 use std::sync::Arc;
 
@@ -20,6 +21,8 @@ use super::rename::{Names, rename_details};
 use super::zone::{Zone, ZoneSide};
 use crate::subdivision::remesh::{FaceOrigin, Fate, Remeshed, VertexOrigin};
 use roster::{Face, Roster};
+
+pub use system::compose_results;
 
 /// What trims made together have left: on the first of them, once it has finished. Derived.
 #[derive(Component, Clone, Debug)]

@@ -1,7 +1,11 @@
 //! Which trims begin, begin again, go on together, or are refused.
 
+mod system;
+
 use bevy_ecs::entity::Entity;
 use selvedge_components::trim::{TrimFault, TrimInputs, TrimJob, TrimState};
+
+pub use system::{Known, Reads, admit_trims};
 
 /// A trim that is to be made, and where it stands.
 #[derive(Clone, Debug)]

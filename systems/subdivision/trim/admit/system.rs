@@ -1,0 +1,331 @@
+//! The system that begins trims.
+
+use std::sync::Arc;
+
+use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
+use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
+use bevy_ecs::system::SystemParam;
+use selvedge_components::budget::{Budget, Budgets};
+use selvedge_components::curve::SpaceCurve;
+use selvedge_components::error::{CurveFailed, SurfaceFailed};
+use selvedge_components::guard::caught;
+use selvedge_components::identity::Serial;
+use selvedge_components::job::Cancelled;
+use selvedge_components::subdivision::{Cage, DetailOf, Snapshot};
+use selvedge_components::tolerance::Tolerance;
+use selvedge_components::trim::{
+    AtLocate, AtRemesh, Stale, Trim, TrimFailed, TrimFault, TrimInputs, TrimJob, TrimOptions, TrimStage, TrimState,
+    TrimmedTo,
+};
+
+use super::{Candidate, Source, Verdict, anything_changed, verdict};
+use crate::diagnostics::{Counters, SubdivisionDiagnostics};
+use crate::subdivision::job::discard;
+use crate::subdivision::region;
+use crate::subdivision::remesh::Cut;
+use crate::subdivision::trim::compose::Solved;
+use crate::subdivision::trim::group::groups;
+use crate::subdivision::trim::traces::{Traces, WorkTraces};
+use crate::subdivision::trim::{Ground, LocateWork, TrimWork};
+
+type Job = (
+    Entity,
+    Option<&'static Serial>,
+    &'static Trim,
+    &'static TrimOptions,
+    Option<&'static Tolerance>,
+    Option<&'static TrimJob>,
+    Option<&'static LocateWork>,
+    Has<TrimWork>,
+    Option<&'static Solved>,
+    Has<Cancelled>,
+);
+type Surface = (Option<&'static Snapshot>, Option<&'static SurfaceFailed>, Option<&'static Ground>);
+
+/// What trims read besides themselves.
+#[derive(SystemParam)]
+pub struct Reads<'w, 's> {
+    surfaces: Query<'w, 's, Surface, With<Cage>>,
+    curves: Query<'w, 's, (&'static SpaceCurve, Option<&'static CurveFailed>)>,
+    details: Query<'w, 's, (Entity, &'static DetailOf)>,
+    budgets: Option<Res<'w, Budgets>>,
+}
+
+/// The trims of each source in the pass before, in their order.
+pub type Known = EntityHashMap<Vec<Entity>>;
+
+impl core::fmt::Debug for Reads<'_, '_> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("Reads")
+    }
+}
+
+/// Begins trims, begins again those whose inputs have changed, takes back what was cancelled, and
+/// sends those that are located on their way, together where they touch.
+pub fn admit_trims(
+    mut commands: Commands,
+    trims: Query<Job>,
+    reads: Reads,
+    mut known: Local<Known>,
+    diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
+) {
+    let mut run = Counters::start();
+    let mut freed = EntityHashSet::default();
+    let sources = by_source(&mut commands, &trims, &mut freed);
+    // Trims that are gone leave details behind.
+    freed.extend(known.values().flatten().filter(|&&trim| !trims.contains(trim)));
+    let before = core::mem::take(&mut *known);
+    for source in before.keys().filter(|&&source| sources.iter().all(|(other, _)| *other != source)) {
+        commands.entity(*source).queue_silenced(drop_result);
+    }
+    let mut starts = Vec::new();
+    for (source, trims) in &sources {
+        known.insert(*source, trims.iter().map(|trim| trim.0).collect());
+        run.counted.items += trims.len() as u64;
+        let before = before.get(source).map_or(&[][..], Vec::as_slice);
+        let admitted = admit_source(&mut commands, (*source, trims), before, &reads, &mut run.counted);
+        freed.extend(admitted.refused.iter().chain(admitted.starts.iter().map(|(trim, _)| trim)));
+        starts.extend(admitted.starts.into_iter().map(|(trim, inputs)| (*source, trim, inputs)));
+        // Only then can the groups be other ones.
+        let regroup = admitted.changed || trims.iter().any(|t| t.5.is_some_and(|job| job.state == TrimState::Located));
+        if admitted.settled && regroup {
+            freed.extend(begin_groups(&mut commands, trims, &mut run.counted));
+        }
+    }
+    begin_locating(&mut commands, starts, &reads.surfaces);
+    discard(&mut commands, &freed, reads.details.iter().map(|(detail, of)| (detail, of.0)));
+    if let Some(mut diagnostics) = diagnostics {
+        diagnostics.admit += run.finish();
+    }
+}
+
+/// The trims of each source that are to be made, in their order; those that are cancelled are taken
+/// back, and are `freed`.
+fn by_source<'w, 's>(
+    commands: &mut Commands,
+    trims: &'w Query<Job>,
+    freed: &mut EntityHashSet,
+) -> Vec<(Entity, Vec<<Job as QueryData>::Item<'w, 's>>)>
+where
+    'w: 's,
+{
+    let mut found: Vec<_> = trims.iter().collect();
+    found.sort_unstable_by_key(|trim| (trim.2.source, trim.1, trim.0));
+    let mut sources: Vec<(Entity, Vec<_>)> = Vec::new();
+    for trim in found {
+        let (entity, job, cancelled) = (trim.0, trim.5, trim.9);
+        match sources.last_mut() {
+            _ if cancelled => {
+                if job.is_some() {
+                    freed.insert(entity);
+                    commands.entity(entity).try_remove::<Traces>();
+                }
+            }
+            Some((source, of_source)) if *source == trim.2.source => of_source.push(trim),
+            _ => sources.push((trim.2.source, vec![trim])),
+        }
+    }
+    sources
+}
+
+/// What has come of the trims of one source.
+struct Admitted {
+    /// Those whose curves are to be located, and what they read.
+    starts: Vec<(Entity, TrimInputs)>,
+    refused: Vec<Entity>,
+    /// Is every one that can be made located?
+    settled: bool,
+    /// Has anything about the trims changed?
+    changed: bool,
+}
+
+fn admit_source(
+    commands: &mut Commands,
+    (source, trims): (Entity, &[<Job as QueryData>::Item<'_, '_>]),
+    before: &[Entity],
+    reads: &Reads,
+    counted: &mut Counters,
+) -> Admitted {
+    let surface = reads.surfaces.get(source).ok();
+    let candidates: Vec<_> = trims.iter().map(|trim| candidate(trim, surface.as_ref(), reads)).collect();
+    let changed = anything_changed(&candidates, before);
+    let gathered = if matches!(surface, Some((None, None, _))) { Source::Ungathered } else { Source::Known };
+    let mut admitted = Admitted { starts: Vec::new(), refused: Vec::new(), settled: true, changed };
+    for candidate in candidates {
+        let verdict = verdict(&candidate, gathered, changed);
+        counted.skipped += u64::from(verdict == Verdict::Keep);
+        counted.written += u64::from(!matches!(verdict, Verdict::Keep | Verdict::Wait));
+        match verdict {
+            Verdict::Keep => {
+                let locating = |job: &TrimJob| job.state == TrimState::Running(TrimStage::Locate);
+                admitted.settled &= !candidate.job.is_some_and(locating);
+            }
+            Verdict::Wait => admitted.settled = false,
+            Verdict::Locate => {
+                admitted.settled = false;
+                admitted.starts.push((candidate.trim, candidate.now));
+            }
+            Verdict::Refuse => {
+                admitted.refused.push(candidate.trim);
+                let why = candidate.refusal.unwrap_or(TrimFault::NoSource { source_entity: source });
+                fail(commands, candidate.trim, candidate.now, why);
+            }
+        }
+    }
+    admitted
+}
+
+/// What is left of a source that has no trims any more is the source.
+fn drop_result(mut source: EntityWorldMut) {
+    let result = source.get::<TrimmedTo>().map(|result| result.0);
+    source.remove::<(TrimmedTo, Ground)>();
+    if let Some(result) = result {
+        source.world_scope(|world| world.despawn(result));
+    }
+}
+
+fn candidate<'w>(
+    trim: &<Job as QueryData>::Item<'w, '_>,
+    surface: Option<&<Surface as QueryData>::Item<'_, '_>>,
+    reads: &Reads,
+) -> Candidate<'w> {
+    let budgets = reads.budgets.as_deref().map_or_else(Budgets::default, |b| *b);
+    let &(entity, _, asked, options, tolerance, job, locating, has_work, solved, _) = trim;
+    let mut refusal = None;
+    let cuts = asked.cuts.iter().map(|cut| {
+        let Ok((space, failed)) = reads.curves.get(cut.curve) else {
+            refusal = refusal.take().or(Some(TrimFault::NoCurve { curve: cut.curve }));
+            return None;
+        };
+        if let Some(CurveFailed(faults)) = failed {
+            let first = faults.first().map_or_else(String::new, ToString::to_string);
+            let why = TrimFault::CurveFailed { curve: cut.curve, faults: faults.len(), first };
+            refusal = refusal.take().or(Some(why));
+        }
+        let revision = caught(|| space.curve.revision()).unwrap_or_default();
+        Some((Arc::clone(&space.curve), revision, cut.heading))
+    });
+    let now = TrimInputs {
+        source: asked.source,
+        revision: surface.and_then(|s| s.0).map(|snapshot| snapshot.revision),
+        cuts: cuts.collect(),
+        options: options.clone(),
+        tolerance: tolerance.copied(),
+        budgets,
+    };
+    match surface {
+        None => refusal = Some(TrimFault::NoSource { source_entity: asked.source }),
+        Some((None, Some(SurfaceFailed(faults)), _)) => {
+            refusal = Some(TrimFault::SourceFailed { source_entity: asked.source, faults: faults.len() });
+        }
+        _ => {}
+    }
+    if let Err(over) = budgets.check(Budget::Levels, u64::from(options.last_level)) {
+        refusal = refusal.or(Some(over.into()));
+    }
+    // One that has lost its work, which is derived, begins again.
+    let whole = job.filter(|job| match job.state {
+        TrimState::Running(TrimStage::Locate) | TrimState::Located | TrimState::With(_) => locating.is_some(),
+        TrimState::Running(_) => has_work && locating.is_some(),
+        TrimState::Finished => locating.is_some() && (solved.is_some() || job.is_led_by(entity)),
+        TrimState::Failed => true,
+    });
+    Candidate { trim: entity, now, refusal, job: whole }
+}
+
+/// Sends located trims on their way, in groups; those whose group is what it was go on as they are.
+/// Returns those that have begun.
+fn begin_groups(
+    commands: &mut Commands,
+    trims: &[<Job as QueryData>::Item<'_, '_>],
+    counted: &mut Counters,
+) -> Vec<Entity> {
+    let mut begun = Vec::new();
+    let standing: Vec<_> = trims
+        .iter()
+        .filter_map(|trim| Some((trim.0, trim.5?, trim.6?)).filter(|t| t.1.state != TrimState::Failed))
+        .collect();
+    let reserved: Vec<_> = standing.iter().map(|(trim, _, located)| (*trim, located.reserved())).collect();
+    for group in groups(&reserved) {
+        let members: Vec<_> = standing.iter().filter(|trim| group.contains(&trim.0)).collect();
+        let as_before = members.iter().all(|(_, job, _)| job.together == group && job.state != TrimState::Located);
+        if as_before {
+            continue;
+        }
+        counted.written += 1;
+        begun.extend(group.iter().copied());
+        commands.entity(trims[0].2.source).queue_silenced(mark_stale);
+        let (lead, _, first) = members[0];
+        let located = members.iter().map(|(.., located)| Arc::clone(located.found())).collect();
+        let reserved = members.iter().flat_map(|(.., located)| located.reserved()).copied().collect();
+        let work = TrimWork::new(Arc::clone(first.ground()), located, region::ascending(reserved));
+        for &&(trim, job, _) in &members {
+            let led = trim != *lead;
+            let state = if led { TrimState::With(*lead) } else { TrimState::Running(TrimStage::Remesh) };
+            let job = TrimJob { together: group.clone(), ..TrimJob::new(state, job.inputs.clone()) };
+            commands.entity(trim).try_remove::<WorkTraces>().try_insert(job);
+        }
+        commands.entity(*lead).try_insert((work, AtRemesh));
+    }
+    begun
+}
+
+/// Puts trims on their way, on what their sources are now.
+fn begin_locating(
+    commands: &mut Commands,
+    starts: Vec<(Entity, Entity, TrimInputs)>,
+    surfaces: &Query<Surface, With<Cage>>,
+) {
+    let mut made: EntityHashMap<Result<Arc<Ground>, TrimFault>> = EntityHashMap::default();
+    for (source, trim, inputs) in starts {
+        let ground = made.entry(source).or_insert_with(|| ground(source, surfaces));
+        if let (Ok(ground), Ok((_, _, before))) = (&*ground, surfaces.get(source))
+            && before.is_none_or(|before| before.revision != ground.revision)
+        {
+            commands.entity(source).try_insert(Ground::clone(ground));
+        }
+        let cuts = inputs.cuts.iter().flatten();
+        let cuts = cuts.map(|(curve, _, heading)| Cut { curve: Arc::clone(curve), heading: *heading }).collect();
+        let begun =
+            ground.clone().and_then(|ground| LocateWork::new(ground, cuts, inputs.options.clone(), inputs.tolerance));
+        match begun {
+            Ok(work) => {
+                let job = TrimJob::new(TrimState::Running(TrimStage::Locate), inputs);
+                commands.entity(trim).try_remove::<Traces>().try_insert((job, work, AtLocate));
+            }
+            Err(why) => fail(commands, trim, inputs, why),
+        }
+        commands.entity(source).queue_silenced(mark_stale);
+    }
+}
+
+/// The last good result stays, and says that it is not the present one.
+fn mark_stale(mut source: EntityWorldMut) {
+    if let Some(&TrimmedTo(result)) = source.get() {
+        source.world_scope(|world| {
+            if let Ok(mut result) = world.get_entity_mut(result) {
+                result.insert(Stale);
+            }
+        });
+    }
+}
+
+fn ground(source: Entity, surfaces: &Query<Surface, With<Cage>>) -> Result<Arc<Ground>, TrimFault> {
+    let Ok((Some(snapshot), _, before)) = surfaces.get(source) else {
+        return Err(TrimFault::NoSource { source_entity: source });
+    };
+    if let Some(before) = before.filter(|before| before.revision == snapshot.revision) {
+        return Ok(Arc::new(before.clone()));
+    }
+    let surface = Arc::clone(&snapshot.surface);
+    caught(|| Ground::new(surface, snapshot.revision))
+        .unwrap_or_else(|message| Err(TrimFault::Panicked { stage: TrimStage::Locate, message }))
+        .map(Arc::new)
+}
+
+/// Tells why a trim could not be made.
+fn fail(commands: &mut Commands, trim: Entity, inputs: TrimInputs, why: TrimFault) {
+    let failed = TrimFailed { why, ladder: Vec::new() };
+    commands.entity(trim).try_remove::<Traces>().try_insert((TrimJob::new(TrimState::Failed, inputs), failed));
+}

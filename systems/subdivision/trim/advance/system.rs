@@ -1,0 +1,184 @@
+//! The system that moves and ends trims.
+
+use std::sync::Arc;
+
+use bevy_ecs::entity::EntityHashSet;
+use bevy_ecs::prelude::*;
+use selvedge_components::identity::Serials;
+use selvedge_components::job::{AtCorrespond, AtModify, AtRefine, FitInputs, FitJob, JobState};
+use selvedge_components::subdivision::fit::FitOptions;
+use selvedge_components::trim::{
+    AtAudit, AtLocate, AtRemesh, Trim, TrimFailed, TrimInputs, TrimJob, TrimReport, TrimStage, TrimState,
+};
+
+use super::{Step, next_step};
+use crate::diagnostics::{Counters, SubdivisionDiagnostics};
+use crate::subdivision::fit::FitWork;
+use crate::subdivision::job::{Coefficient, deliver, discard, mark};
+use crate::subdivision::trim::compose::Solved;
+use crate::subdivision::trim::traces::{FailedTraces, WorkTraces};
+use crate::subdivision::trim::{Blamed, LocateWork, TrimWork};
+
+type Made = (
+    Entity,
+    &'static mut TrimJob,
+    Option<&'static mut TrimWork>,
+    Option<&'static mut FitJob>,
+    Option<&'static FitWork>,
+    Option<&'static mut LocateWork>,
+);
+
+/// How the work of trims made together has ended.
+enum End {
+    /// They are done.
+    Finished(Option<Box<TrimReport>>),
+    /// They change more than was thought.
+    Widen,
+    /// This one has failed.
+    Failed(Entity, TrimFailed),
+}
+
+/// Writes the transitions of all trims that took a step, and keeps what those that are done have
+/// left.
+pub fn advance_trims(
+    mut commands: Commands,
+    mut trims: Query<Made, With<Trim>>,
+    mut details: Query<Coefficient>,
+    mut serials: If<ResMut<Serials>>,
+    diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
+) {
+    let mut run = Counters::start();
+    let mut ends = Vec::new();
+    for (entity, mut job, work, fit_job, fit, _) in &mut trims {
+        let step = next_step(&mut job, fit_job.map(Mut::into_inner));
+        let Some(step) = step else {
+            run.counted.skipped += 1;
+            continue;
+        };
+        run.counted.items += 1;
+        run.counted.written += u64::from(step != Step::Stay);
+        match step {
+            Step::Stay => {}
+            Step::Located => {
+                job.state = TrimState::Located;
+                commands.entity(entity).try_remove::<AtLocate>();
+            }
+            Step::Fit(stage) => mark(&mut commands.entity(entity), stage),
+            Step::BeginFit => {
+                let fit = work.and_then(|mut work| work.take_fit());
+                begin_fit(&mut commands.entity(entity), &mut job, fit);
+            }
+            Step::Audit => {
+                job.state = TrimState::Running(TrimStage::Audit);
+                commands.entity(entity).try_remove::<(AtCorrespond, AtModify, AtRefine)>().try_insert(AtAudit);
+            }
+            Step::Widen => ends.push((job.together.clone(), End::Widen)),
+            Step::Finish => {
+                let Some((work, fit)) = work.zip(fit) else { continue };
+                deliver(&mut commands, &mut details, entity, entity, fit);
+                let solved = solved(&job, &work, serials.0.next_number());
+                ends.push((job.together.clone(), End::Finished(work.report(fit).map(Box::new))));
+                commands.entity(entity).try_remove::<WorkTraces>();
+                if let Some(solved) = solved {
+                    commands.entity(entity).try_insert(solved);
+                }
+            }
+            Step::Fail(why) => {
+                let ladder = fit.map_or_else(Vec::new, |fit| fit.ladder().to_vec());
+                let together = if job.together.is_empty() { vec![entity] } else { job.together.clone() };
+                let (nearest, why) = match work {
+                    Some(work) => {
+                        let Blamed { trim, why } = work.nearest(why);
+                        (together.get(trim).copied(), why)
+                    }
+                    None => (None, why),
+                };
+                let blamed = job.blamed.take().or(nearest).filter(|trim| together.contains(trim));
+                let blamed = blamed.or(together.last().copied()).unwrap_or(entity);
+                ends.push((together, End::Failed(blamed, TrimFailed { why, ladder })));
+            }
+        }
+    }
+    let mut failed = EntityHashSet::default();
+    for (together, end) in ends {
+        match end {
+            End::Finished(report) => finish(&mut commands, &mut trims, &together, report.as_deref()),
+            End::Widen => {
+                for &trim in &together {
+                    if let Ok((.., Some(mut located))) = trims.get_mut(trim) {
+                        located.widen();
+                    }
+                }
+                break_off(&mut commands, &mut trims, &together, None);
+            }
+            End::Failed(blamed, why) => {
+                failed.extend(together.iter().copied());
+                break_off(&mut commands, &mut trims, &together, Some(blamed));
+                commands.entity(blamed).try_remove::<FailedTraces>().try_insert(why);
+            }
+        }
+    }
+    discard(&mut commands, &failed, details.iter().map(|(detail, .., of)| (detail, of.0)));
+    if let Some(mut diagnostics) = diagnostics {
+        diagnostics.advance += run.finish();
+    }
+}
+
+/// A trim's new cage becomes a fit like any other.
+fn begin_fit(trim: &mut EntityCommands, job: &mut TrimJob, fit: Option<FitWork>) {
+    let Some(work) = fit else { return };
+    job.state = TrimState::Running(TrimStage::Fit);
+    let TrimInputs { source, revision, tolerance, budgets, .. } = job.inputs.clone();
+    let inputs = FitInputs {
+        surface: source,
+        revision,
+        target: None,
+        target_revision: Ok(0),
+        options: FitOptions::default(),
+        tolerance,
+        budgets,
+    };
+    let stage = work.stage();
+    let fit = FitJob::new(JobState::Running(stage), inputs);
+    trim.try_remove::<AtRemesh>().try_insert((fit, work));
+    mark(trim, stage);
+}
+
+fn solved(job: &TrimJob, work: &TrimWork, number: u64) -> Option<Solved> {
+    let (remeshed, surface) = (Arc::clone(work.remeshed()?), Arc::clone(work.result()?));
+    let zone = work.zone().map(Arc::clone);
+    Some(Solved { together: job.together.clone(), number, zone, remeshed, surface })
+}
+
+/// All trims made together are done.
+fn finish(
+    commands: &mut Commands,
+    trims: &mut Query<Made, With<Trim>>,
+    together: &[Entity],
+    report: Option<&TrimReport>,
+) {
+    for &trim in together {
+        if let Ok((_, mut job, ..)) = trims.get_mut(trim) {
+            job.state = TrimState::Finished;
+        }
+        if let Some(report) = report {
+            let report = TrimReport { together: together.to_vec(), ..report.clone() };
+            commands.entity(trim).try_insert(report);
+        }
+    }
+}
+
+/// Trims made together are to be made again, but for the one that has failed.
+fn break_off(
+    commands: &mut Commands,
+    trims: &mut Query<Made, With<Trim>>,
+    together: &[Entity],
+    failed: Option<Entity>,
+) {
+    for &trim in together {
+        commands.entity(trim).try_remove::<WorkTraces>();
+        let Ok((_, mut job, ..)) = trims.get_mut(trim) else { continue };
+        job.together.clear();
+        job.state = if Some(trim) == failed { TrimState::Failed } else { TrimState::Located };
+    }
+}

@@ -1,0 +1,24 @@
+//! Random trims, each looked at by an oracle that does not know how they were made.
+
+#[path = "support/sweep.rs"]
+mod sweep;
+
+use sweep::{Case, STRATA, Subjects, Verdict, run};
+
+/// Four of each stratum: none panics, none is a false success, and at most one in 64 is refused.
+#[test]
+fn random_trims_are_sound_or_say_why() {
+    let subjects = Subjects::new();
+    let mut refused = Vec::new();
+    for (s, stratum) in STRATA.iter().enumerate() {
+        for number in 0..4 {
+            let number = (s as u64) << 32 | number;
+            match run(&Case::new(&subjects, stratum, number)).0 {
+                Verdict::Sound => {}
+                Verdict::Refused(why) => refused.push(format!("{stratum:?} {number}: {why}")),
+                wrong => panic!("{stratum:?} {number}: {wrong:?}"),
+            }
+        }
+    }
+    assert!(refused.len() <= 1, "{refused:#?}");
+}
