@@ -26,6 +26,8 @@ pub struct Assembly {
     triangles: Triangles,
     /// In the order of root faces and paths.
     pub leaves: Vec<Leaf>,
+    /// By root face: its first leaf; after the last, how many there are.
+    first_leaves: Vec<usize>,
 }
 
 /// How a leaf was cut.
@@ -68,14 +70,16 @@ pub fn assemble(subject: &Subject, forest: &Forest, normals: Normals) -> Result<
     let mut leaves: Vec<Leaf> = Vec::with_capacity(count(|cut| cut.leaves.len()));
     let mut all: Vec<[u32; 3]> = Vec::with_capacity(count(|cut| cut.triangles.len()));
     triangles.faces.reserve(all.capacity());
+    let mut first_leaves = vec![0];
     for (f, cut) in cut.into_iter().enumerate() {
         let first = all.len() as u32;
         leaves.extend(cut.leaves.into_iter().map(|leaf| Leaf { first: leaf.first + first, ..leaf }));
         all.extend(cut.triangles);
         triangles.faces.resize(all.len(), FaceId::new(f));
+        first_leaves.push(leaves.len());
     }
     triangles.triangles = all;
-    let assembly = Assembly { triangles, leaves };
+    let assembly = Assembly { triangles, leaves, first_leaves };
     assembly.check()?;
     Ok(assembly)
 }
@@ -122,17 +126,23 @@ impl Assembly {
         }
     }
 
-    /// The squared distance of a point of the limit surface over a leaf to all triangles. Near an
-    /// irregular vertex the surface slides: the foot may lie beyond the leaf's own triangles, on those
-    /// around.
-    pub fn near<'a>(&'a self, around: &'a Around, leaf: &Leaf) -> impl Fn(DVec3) -> f64 + 'a {
-        let own = self.own(leaf);
+    /// The triangles at the corners of those of a leaf, these among them.
+    pub fn beyond(&self, around: &Around, leaf: &Leaf) -> Vec<Facet> {
         let mut beyond: Vec<u32> = self.indices(leaf).iter().flatten().flat_map(|&v| around.of(v)).copied().collect();
         beyond.sort_unstable();
         beyond.dedup();
-        let facets: Vec<Facet> =
-            beyond.into_iter().map(|t| Facet::new(self.positions(self.triangles.triangles[t as usize]))).collect();
-        move |x| facets.iter().map(|t| t.squared(x)).fold(own(x), f64::min)
+        beyond.into_iter().map(|t| Facet::new(self.positions(self.triangles.triangles[t as usize]))).collect()
+    }
+
+    /// The unit normal of a triangle; zero if it has no area.
+    pub fn normal(&self, triangle: u32) -> DVec3 {
+        let [a, b, c] = self.positions(self.triangles.triangles[triangle as usize]);
+        (b - a).cross(c - a).normalize_or_zero()
+    }
+
+    /// Which of the leaves stand on a root face.
+    pub fn leaves_of(&self, face: usize) -> Range<usize> {
+        self.first_leaves[face]..self.first_leaves[face + 1]
     }
 
     fn indices(&self, leaf: &Leaf) -> &[[u32; 3]] {

@@ -1,16 +1,16 @@
 //! How far the limit surface of a leaf stands off the triangles that stand for it.
 
 use glam::DVec3;
-use selvedge_components::evaluate::{Evaluate, SurfacePoint};
-use selvedge_components::mesh::HalfedgeId;
+use selvedge_components::evaluate::SurfacePoint;
+use selvedge_components::mesh::{FaceId, HalfedgeId};
 use selvedge_components::subdivision::FaceCode;
 use smallvec::SmallVec;
 
 use super::Subject;
 use super::inner::Inner;
-use super::measure::squared_to_segment;
+use super::measure::{Plane, squared_to_segment};
+use super::nest::{Nest, Spot};
 use crate::foot;
-use crate::subdivision::limit::Cover;
 
 /// Where a leaf is sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,6 +71,13 @@ pub struct Place {
     pub code: FaceCode,
 }
 
+impl Place {
+    /// The root face that it lies in.
+    pub fn root(&self) -> FaceId {
+        self.code.root_face(self.level)
+    }
+}
+
 /// A triangle on a leaf: its corners, each with its weights on the leaf.
 pub type Piece = [(DVec3, [f64; 3]); 3];
 
@@ -93,25 +100,29 @@ const INSIDE: [[f64; 3]; 7] = {
     ]
 };
 
+/// How often the place over a point is looked for by how far the surface slides. Each step leaves of the
+/// distance what the slide changes over it, a tenth or less on faces that nearly keep a chord.
+const SLIDES: usize = 4;
+
 /// A face that is sampled.
-pub struct Sampled<'a> {
-    subject: &'a Subject<'a>,
+pub struct Sampled<'n, 'a> {
+    subject: &'n Subject,
+    nest: &'n mut Nest<'a>,
     place: Place,
-    cover: Cover<'a>,
+    spot: Spot,
     /// Its corners in the domain of the polynomial that covers it.
-    inner: [[f64; 2]; 3],
+    inner: Option<[[f64; 2]; 3]>,
     corners: [DVec3; 3],
     borders: [bool; 3],
 }
 
-impl<'a> Sampled<'a> {
-    /// The face at `place`.
-    pub fn new(subject: &'a Subject<'a>, place: Place) -> Self {
-        let Place { level, code } = place;
-        let cover = subject.limit.cover(level, code);
-        let inner = if let Cover::Quartic(base, _) = cover { Inner::new(place, base).corners() } else { [[0.0; 2]; 3] };
+impl<'n, 'a> Sampled<'n, 'a> {
+    /// The face at `place`, within the root face of `nest`.
+    pub fn new(subject: &'n Subject, nest: &'n mut Nest<'a>, place: Place) -> Self {
+        let spot = nest.spot(place);
+        let inner = nest.quartic(spot).map(|_| Inner::new(place, spot.level).corners());
         let borders = borders(subject, place);
-        let mut sampled = Self { subject, place, cover, inner, corners: [DVec3::ZERO; 3], borders };
+        let mut sampled = Self { subject, nest, place, spot, inner, corners: [DVec3::ZERO; 3], borders };
         sampled.corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|w| sampled.position(w));
         sampled
     }
@@ -128,17 +139,18 @@ impl<'a> Sampled<'a> {
 
     /// The sample of the limit surface over it that is farthest off; `near` answers with the squared
     /// distance of a point to the triangles that stand for it.
-    pub fn farthest(&self, weights: &[[f64; 3]], near: impl Fn(DVec3) -> f64) -> Farthest {
+    pub fn farthest(&mut self, weights: &[[f64; 3]], mut near: impl FnMut(DVec3) -> f64) -> Farthest {
         let mut farthest = Farthest::default();
-        let mut see = |w: [f64; 3]| {
-            let x = self.position(w);
-            farthest.see(x, on_border(x, w, self.borders, self.corners).unwrap_or_else(|| near(x)));
-        };
-        weights.iter().for_each(|&w| see(w));
-        if let Cover::Levels = self.cover {
-            self.moved_points(see);
+        weights.iter().for_each(|&w| self.see(&mut farthest, w, &mut near));
+        if self.inner.is_none() {
+            self.see_moved(&mut farthest, &mut near);
         }
         farthest
+    }
+
+    fn see(&mut self, farthest: &mut Farthest, w: [f64; 3], near: &mut impl FnMut(DVec3) -> f64) {
+        let x = self.position(w);
+        farthest.see(x, on_border(x, w, self.borders, self.corners).unwrap_or_else(|| near(x)));
     }
 
     /// The point of its triangles that is farthest from the limit surface, of those that are farther
@@ -146,17 +158,18 @@ impl<'a> Sampled<'a> {
     ///
     /// The point of the surface with the same weights is no nearer than the foot: where it is within the
     /// limit already, the foot is not looked for.
-    pub fn farthest_back(&self, pieces: &[Piece], limit: f64) -> Farthest {
+    pub fn farthest_back(&mut self, pieces: &[Piece], limit: f64) -> Farthest {
         let mut farthest = Farthest::default();
+        let plane = Plane::new(self.corners);
         for piece in pieces {
             let on_leaf = |b: [f64; 3]| core::array::from_fn(|w| (0..3).map(|c| piece[c].1[w] * b[c]).sum());
             for b in INSIDE {
                 let y = (0..3).fold(DVec3::ZERO, |sum, c| sum + piece[c].0 * b[c]);
-                let mut distance = self.position(on_leaf(b)).distance(y);
+                let mut distance = self.distance_over(plane.as_ref(), on_leaf(b), y, limit);
                 if distance > limit {
                     let starts = core::iter::once(b).chain(foot::AROUND).map(|b| self.on_root(on_leaf(b)));
                     let (surface, mesh) = (&self.subject.limit, &self.subject.surface.mesh);
-                    distance = foot::distance(surface, mesh, starts, y, limit);
+                    distance = distance.min(foot::distance(surface, mesh, starts, y, limit));
                 }
                 farthest.see(y, if distance <= limit { 0.0 } else { distance * distance });
             }
@@ -164,14 +177,34 @@ impl<'a> Sampled<'a> {
         farthest
     }
 
-    fn position(&self, weights: [f64; 3]) -> DVec3 {
-        match &self.cover {
-            Cover::Quartic(_, quartic) => {
-                let [s, t] = [0, 1].map(|k| (0..3).map(|c| weights[c] * self.inner[c][k]).sum());
+    /// The distance of `y` to the limit surface over this face, from above: to where it stands over the
+    /// place with the weights `start`, and to where it has slid away from `y` as often as `limit` is
+    /// exceeded and a step brings it nearer.
+    fn distance_over(&mut self, plane: Option<&Plane>, start: [f64; 3], y: DVec3, limit: f64) -> f64 {
+        let mut weights = start;
+        let mut least = f64::INFINITY;
+        for _ in 0..SLIDES {
+            let x = self.position(weights);
+            let distance = x.distance(y);
+            let Some(plane) = plane.filter(|_| distance > limit && distance < least) else {
+                return if distance.is_nan() { distance } else { least.min(distance) };
+            };
+            least = distance;
+            let (here, there) = (plane.under(x).weights, plane.under(y).weights);
+            weights = core::array::from_fn(|c| (weights[c] + there[c] - here[c]).max(0.0));
+            let sum: f64 = weights.iter().sum();
+            weights = weights.map(|w| w / sum);
+        }
+        least
+    }
+
+    fn position(&mut self, weights: [f64; 3]) -> DVec3 {
+        match (self.inner, self.nest.quartic(self.spot)) {
+            (Some(inner), Some(quartic)) => {
+                let [s, t] = [0, 1].map(|k| (0..3).map(|c| weights[c] * inner[c][k]).sum());
                 quartic.position(s, t)
             }
-            Cover::Patch(patch) => patch.clone().position(weights),
-            Cover::Levels => self.subject.limit.position(self.on_root(weights)),
+            _ => self.nest.position(self.spot, weights),
         }
     }
 
@@ -187,15 +220,16 @@ impl<'a> Sampled<'a> {
     }
 
     /// Details finer than the grid show at the points that they move: the corners of their faces.
-    fn moved_points(&self, mut see: impl FnMut([f64; 3])) {
+    fn see_moved(&mut self, farthest: &mut Farthest, near: &mut impl FnMut(DVec3) -> f64) {
         let Place { level, code } = self.place;
-        for finer in level + 1..self.subject.reach.depth() {
+        let subject = self.subject;
+        for finer in level + 1..subject.reach.depth() {
             let down = finer - level;
-            for face in self.subject.reach.moved_below(level, code, finer) {
+            for face in subject.reach.moved_below(level, code, finer) {
                 let inner = FaceCode(face.0 - (code.0 << (2 * down)));
                 let n = 1 << down;
                 for (i, j) in inner.corners(down) {
-                    see([n - i - j, i, j].map(|w| f64::from(w) / f64::from(n)));
+                    self.see(farthest, [n - i - j, i, j].map(|w| f64::from(w) / f64::from(n)), near);
                 }
             }
         }

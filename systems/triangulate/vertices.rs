@@ -6,13 +6,13 @@
 use glam::{DVec2, DVec3};
 use selvedge_components::evaluate::{Evaluate, Jet, SurfacePoint};
 use selvedge_components::mesh::{Connectivity, EdgeId, FaceId, HalfedgeId, VertexId};
-use selvedge_components::subdivision::FaceCode;
 use selvedge_components::subdivision::boxspline::Quartic;
 use selvedge_components::triangles::Triangles;
 
 use super::names::Names;
 use super::{Normals, Subject};
 use crate::parallel::map_in_order;
+use crate::subdivision::limit::Piece;
 
 #[derive(Clone, Copy)]
 struct Vertex {
@@ -77,13 +77,17 @@ fn first_edges(mesh: &Connectivity) -> Vec<usize> {
 
 /// What evaluates a face.
 struct Evaluator<'a> {
-    subject: &'a Subject<'a>,
+    subject: &'a Subject,
     quartic: Option<Quartic>,
 }
 
 impl<'a> Evaluator<'a> {
-    fn new(subject: &'a Subject<'a>, face: FaceId) -> Self {
-        Self { subject, quartic: subject.limit.quartic(0, FaceCode::root(face)).map(|(_, quartic)| quartic) }
+    fn new(subject: &'a Subject, face: FaceId) -> Self {
+        let quartic = match subject.limit.piece(subject.limit.root(face)) {
+            Some(Piece::Quartic(quartic)) => Some(quartic),
+            _ => None,
+        };
+        Self { subject, quartic }
     }
 
     fn vertex(&self, origin: SurfacePoint, normals: Normals) -> Vertex {

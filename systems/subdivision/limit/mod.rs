@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use selvedge_components::evaluate::{Evaluate, Jet, SurfacePoint};
-use selvedge_components::mesh::VertexId;
+use selvedge_components::mesh::{FaceId, VertexId};
 use selvedge_components::subdivision::boxspline::Quartic;
 use selvedge_components::subdivision::{
     CornerTable, Descent, FaceCode, Kind, LevelMesh, LimitFrame, LoopSurface, NONE, Patch, RingState, Scheme,
@@ -143,40 +143,22 @@ impl LimitSurface {
         kept.is_none_or(|kept| kept.unsettled.binary_search(&code).is_err())
     }
 
-    /// The polynomial that is the whole of the face `code` of `level`, with the level of the face that
-    /// is its domain, `code` itself or an ancestor; `None` where there is no such polynomial, or none
-    /// that is kept.
-    pub fn quartic(&self, level: u32, code: FaceCode) -> Option<(u32, Quartic)> {
-        let mut face = code.root_face(level).0;
-        for (l, kept) in (0..=level).zip(&self.levels) {
-            match *kept.faces.get(face as usize)? {
-                Face::Regular(net) => return Some((l, kept.quartic(net))),
-                Face::Children(first) if l < level => face = first + (code.0 >> (2 * (level - l - 1)) & 3) as u32,
-                Face::Children(_) | Face::Patch => return None,
-            }
-        }
-        None
+    /// A root face, as one that is kept.
+    pub fn root(&self, face: FaceId) -> Kept {
+        Kept { level: 0, face: face.0 }
     }
 
-    /// What evaluates the face `code` of `level`, and nothing beside it.
-    pub fn cover(&self, level: u32, code: FaceCode) -> Cover<'_> {
-        let child = |l: u32| (code.0 >> (2 * (level - l - 1)) & 3) as usize;
-        let mut face = code.root_face(level).0;
-        for (l, kept) in (0..=level).zip(&self.levels) {
-            let patch = || {
+    /// What evaluates a face that is kept; `None` for a root face that does not exist.
+    pub fn piece(&self, Kept { level, face }: Kept) -> Option<Piece<'_>> {
+        let kept = self.levels.get(level as usize)?;
+        Some(match *kept.faces.get(face as usize)? {
+            Face::Children(first) => Piece::Children([0, 1, 2, 3].map(|k| Kept { level: level + 1, face: first + k })),
+            Face::Regular(net) => Piece::Quartic(kept.quartic(net)),
+            Face::Patch => {
                 let scheme = Scheme { surface: &self.surface, corners: &self.corners };
-                Patch::of(scheme, &kept.level.mesh, &kept.level.state, face)
-            };
-            match kept.faces.get(face as usize) {
-                None => break,
-                Some(Face::Children(first)) if l < level => face = first + child(l) as u32,
-                Some(Face::Children(_)) if self.is_settled(level, code) => return Cover::Patch(patch()),
-                Some(Face::Children(_)) => break,
-                Some(&Face::Regular(net)) => return Cover::Quartic(l, kept.quartic(net)),
-                Some(Face::Patch) => return Cover::below(patch(), l, (l..level).map(child)),
+                Piece::Patch(Patch::of(scheme, &kept.level.mesh, &kept.level.state, face))
             }
-        }
-        Cover::Levels
+        })
     }
 
     /// The finest kept face at a place, and the way there.
@@ -199,32 +181,23 @@ impl LimitSurface {
     }
 }
 
-/// What evaluates a face of the hierarchy.
-#[expect(clippy::large_enum_variant, reason = "made once per face, on the stack")]
-#[derive(Clone, Debug)]
-pub enum Cover<'a> {
-    /// One polynomial, over the face itself or over an ancestor: the level of that.
-    Quartic(u32, Quartic),
-    /// The rings of its corners.
-    Patch(Patch<'a>),
-    /// Finer levels, that details reach.
-    Levels,
+/// A face of the levels that are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kept {
+    level: u32,
+    face: u32,
 }
 
-impl<'a> Cover<'a> {
-    /// Goes `way` down from `patch`, a face of `level`, until one polynomial is all that there is.
-    fn below(mut patch: Patch<'a>, level: u32, way: impl Iterator<Item = usize>) -> Self {
-        for (l, child) in (level..).zip(way) {
-            if let Some(quartic) = patch.quartic() {
-                return Self::Quartic(l, quartic);
-            }
-            patch = patch.quarter(child);
-            if let Some(quartic) = patch.quartic() {
-                return Self::Quartic(l + 1, quartic);
-            }
-        }
-        Self::Patch(patch)
-    }
+/// What evaluates a face that is kept.
+#[expect(clippy::large_enum_variant, reason = "made once per face, on the stack")]
+#[derive(Clone, Debug)]
+pub enum Piece<'a> {
+    /// Its quarters.
+    Children([Kept; 4]),
+    /// One polynomial.
+    Quartic(Quartic),
+    /// The rings of its corners.
+    Patch(Patch<'a>),
 }
 
 /// What evaluates a place. It lives for one evaluation on the stack: a box would cost more than the

@@ -1,0 +1,146 @@
+//! The finished triangles are measured both ways: from the surface to them, and from them to the surface.
+//!
+//! Where a leaf lies within one polynomial, this bounds its distance. Only leaves with no bound, or one
+//! beyond the chord, are sampled; and then those that may be the farthest, so that what is reported as
+//! achieved is met at a place.
+
+use core::cell::OnceCell;
+
+use glam::DVec3;
+use selvedge_components::mesh::FaceId;
+
+use super::Subject;
+use super::assemble::{Around, Assembly, Leaf};
+use super::inner::Inner;
+use super::measure::Facet;
+use super::nest::Nest;
+use super::sample::{Farthest, Grid, Piece, Sampled};
+use crate::parallel::map_in_order;
+
+/// Of leaves that must be sampled anyway, distances up to this part of the chord are not told apart: what
+/// lies below does not decide, and is seldom the farthest.
+const SHARP: f64 = 0.8;
+
+/// How many leaves are measured at a time to find the farthest: few at first, since they tell how many
+/// more must be, and then enough for every core.
+const AT_A_TIME: [usize; 2] = [64, 1024];
+
+/// By leaf, the farthest point that was found; nothing where a bound lies within the chord and below the
+/// farthest of all.
+///
+/// If a leaf fails that is to be quartered, those which cost more are not measured: they are when the
+/// next forest has its triangles.
+pub fn check(subject: &Subject, assembly: &Assembly, chord: f64, last_level: u32) -> Vec<Farthest> {
+    let checker = Checker { subject, assembly, around: assembly.around(), weights: Grid::Ninths.weights() };
+    let normals = map_in_order(assembly.triangle_count(), |t| assembly.normal(t as u32));
+    let bounds = checker.by_root(|nest, i| Some(checker.bound(nest, &assembly.leaves[i], &normals, chord)));
+    let bounds: Vec<f64> = bounds.into_iter().flatten().collect();
+    let mut found: Vec<Option<Farthest>> = vec![None; bounds.len()];
+    let turns: [fn(f64) -> bool; 2] = [|bound| bound.is_finite(), |bound| !bound.is_finite()];
+    for turn in turns {
+        let due = |i: usize| bounds[i] > chord && turn(bounds[i]);
+        for (all, found) in found.iter_mut().zip(checker.measure(due, SHARP * chord)) {
+            *all = all.or(found);
+        }
+        let fails = |(leaf, found): (&Leaf, &Option<Farthest>)| {
+            leaf.place.level < last_level && found.is_some_and(|found| is_beyond(&found, chord))
+        };
+        if assembly.leaves.iter().zip(&found).any(fails) {
+            return found.into_iter().map(Option::unwrap_or_default).collect();
+        }
+    }
+    checker.find_farthest(&bounds, found, SHARP * chord)
+}
+
+/// Is it farther off than `limit`?
+pub fn is_beyond(found: &Farthest, limit: f64) -> bool {
+    found.squared.is_nan() || found.squared > limit * limit
+}
+
+struct Checker<'a> {
+    subject: &'a Subject,
+    assembly: &'a Assembly,
+    around: Around,
+    weights: Vec<[f64; 3]>,
+}
+
+impl<'a> Checker<'a> {
+    /// What `of` makes of every leaf; leaves of one root face share its nest.
+    fn by_root<R: Send>(&self, of: impl Fn(&mut Nest<'a>, usize) -> Option<R> + Sync + Send) -> Vec<Option<R>> {
+        let faces = map_in_order(self.subject.surface.mesh.face_count(), |f| {
+            let mut nest = Nest::new(&self.subject.limit, FaceId::new(f));
+            self.assembly.leaves_of(f).map(|i| of(&mut nest, i)).collect::<Vec<_>>()
+        });
+        faces.into_iter().flatten().collect()
+    }
+
+    /// Measures the leaves that are `due`. Distances up to `enough` are not told apart.
+    fn measure(&self, due: impl Fn(usize) -> bool + Sync + Send, enough: f64) -> Vec<Option<Farthest>> {
+        self.by_root(|nest, i| due(i).then(|| self.farthest(nest, &self.assembly.leaves[i], enough)))
+    }
+
+    /// Measures what may be the farthest until it is found. `found` holds what was measured already, with
+    /// distances up to `sharp` not told apart.
+    fn find_farthest(&self, bounds: &[f64], mut found: Vec<Option<Farthest>>, sharp: f64) -> Vec<Farthest> {
+        let distance = |found: &Farthest| found.squared.sqrt();
+        let mut most = found.iter().flatten().map(distance).filter(|&d| d > sharp).fold(0.0, f64::max);
+        let at_most = |i: usize| found[i].as_ref().map_or(bounds[i], distance);
+        let mut open: Vec<(f64, usize)> = (0..bounds.len())
+            .map(|i| (at_most(i), i))
+            .filter(|&(d, i)| d > most && (found[i].is_none() || d <= sharp))
+            .collect();
+        let first = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
+        let mut count = AT_A_TIME[0];
+        while !open.is_empty() {
+            if open.len() > count {
+                open.select_nth_unstable_by(count, first);
+            }
+            let rest = open.split_off(open.len().min(count));
+            open.sort_unstable_by(first);
+            let leaf = |k: usize| &self.assembly.leaves[open[k].1];
+            let measured = map_in_order(open.len(), |k| {
+                self.farthest(&mut Nest::new(&self.subject.limit, leaf(k).place.root()), leaf(k), most)
+            });
+            for (&(_, i), measured) in open.iter().zip(measured) {
+                most = most.max(distance(&measured));
+                found[i] = Some(measured);
+            }
+            open = rest;
+            open.retain(|&(at_most, _)| at_most > most);
+            count = AT_A_TIME[1];
+        }
+        found.into_iter().map(Option::unwrap_or_default).collect()
+    }
+
+    /// Measures a leaf. Distances up to `enough` are not told apart.
+    fn farthest(&self, nest: &mut Nest<'a>, leaf: &Leaf, enough: f64) -> Farthest {
+        let mut sampled = Sampled::new(self.subject, nest, leaf.place);
+        let (own, around) = (self.assembly.own(leaf), OnceCell::new());
+        let near = |x: DVec3| {
+            let squared = own(x);
+            if squared <= enough * enough {
+                return squared;
+            }
+            // Where the surface slides, the foot may lie beyond the leaf's own triangles.
+            let around: &Vec<Facet> = around.get_or_init(|| self.assembly.beyond(&self.around, leaf));
+            around.iter().map(|facet| facet.squared(x)).fold(squared, f64::min)
+        };
+        let there = sampled.farthest(&self.weights, near);
+        there.or(sampled.farthest_back(&self.assembly.pieces(leaf), enough))
+    }
+
+    /// No point of a leaf is farther from the triangles than this, or the other way round; infinite where
+    /// no polynomial tells.
+    fn bound(&self, nest: &mut Nest<'a>, leaf: &Leaf, normals: &[DVec3], chord: f64) -> f64 {
+        let spot = nest.spot(leaf.place);
+        let Some(quartic) = nest.quartic(spot) else { return f64::INFINITY };
+        let (deviation, first) = Inner::new(leaf.place, spot.level).deviation(quartic);
+        let _ = (normals, chord);
+        if !leaf.is_cut() {
+            return deviation.greatest();
+        }
+        let turned = |w: [f64; 3]| core::array::from_fn(|c| w[(first + c) % 3]);
+        let of_piece = |piece: &Piece| deviation.greatest_of_piece(piece.map(|(_, w)| turned(w)));
+        self.assembly.pieces(leaf).iter().map(of_piece).fold(0.0, f64::max)
+    }
+}
