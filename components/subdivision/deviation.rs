@@ -32,8 +32,8 @@ const LEFT_OF_MIXED: f64 = 1.0 / 16.0;
 pub struct Deviation {
     /// Four times the difference in the middle of the edges 01, 12 and 20, in model units.
     bulges: [DVec3; 3],
-    /// No point of the rest is longer.
-    rest: f64,
+    /// What the rest is a sum of, each times at most 1, in model units.
+    rest: [DVec3; 8],
 }
 
 impl Deviation {
@@ -54,24 +54,30 @@ impl Deviation {
         let [ssss, ssst, sttt, tttt] = [c[4], c[8], c[12], c[13]].map(|c| c * h4);
         let (along_s, along_t) = (ss + sss * 1.5 + ssss * 1.75, tt + ttt * 1.5 + tttt * 1.75);
         let across = st + (sst + stt) * 0.5 + (ssst + sttt) * 0.25;
-        let lengths = |terms: &[DVec3]| terms.iter().map(|c| c.length()).sum::<f64>();
+        let cubes = [sss, sst, stt, ttt].map(|c| c * LEFT_OF_CUBES);
+        let [ssss, tttt] = [ssss, tttt].map(|c| c * LEFT_OF_FOURTH);
+        let [ssst, sttt] = [ssst, sttt].map(|c| c * LEFT_OF_MIXED);
         Self {
             bulges: [-along_s, across - along_s - along_t, -along_t],
-            rest: LEFT_OF_CUBES * lengths(&[sss, sst, stt, ttt])
-                + LEFT_OF_FOURTH * lengths(&[ssss, tttt])
-                + LEFT_OF_MIXED * lengths(&[ssst, sttt]),
+            rest: [cubes[0], cubes[1], cubes[2], cubes[3], ssss, tttt, ssst, sttt],
         }
+    }
+
+    /// No point of the rest is longer.
+    fn rest(&self) -> f64 {
+        self.rest.iter().map(|c| c.length()).sum()
     }
 
     /// No point of the face is farther from the point of its triangle with the same weights.
     pub fn greatest(&self) -> f64 {
-        peak(self.bulges) + self.rest
+        peak(self.bulges) + self.rest()
     }
 
     /// No point of the face is farther than this from the point of its triangle with the same weights,
     /// measured along the unit vector `direction`.
     pub fn along(&self, direction: DVec3) -> f64 {
-        peak_of_form(self.bulges.map(|q| q.dot(direction))) + self.rest
+        let rest: f64 = self.rest.iter().map(|c| c.dot(direction).abs()).sum();
+        peak_of_form(self.bulges.map(|q| q.dot(direction))) + rest
     }
 
     /// In the middle of an edge the face is this far, along the unit vector `direction`, from the middle
@@ -80,14 +86,14 @@ impl Deviation {
         self.bulges.iter().map(|q| 0.25 * q.dot(direction).abs()).fold(0.0, f64::max)
     }
 
-    /// The same as [`Deviation::greatest`] for a triangle whose corners, given by their weights on this
-    /// face, are corners of the face or middles of its edges: there the rest vanishes.
-    pub fn greatest_of_piece(&self, corners: [[f64; 3]; 3]) -> f64 {
+    /// The same for a triangle whose corners, given by their weights on this face, are corners of the face
+    /// or middles of its edges: there the rest vanishes, and elsewhere it is what it was.
+    pub fn of_piece(&self, corners: [[f64; 3]; 3]) -> Self {
         let bulge = |from: [f64; 3], to: [f64; 3]| {
             let way: [f64; 3] = core::array::from_fn(|c| to[c] - from[c]);
             (0..3).fold(DVec3::ZERO, |sum, e| sum - self.bulges[e] * (way[e] * way[(e + 1) % 3]))
         };
-        peak([0, 1, 2].map(|e| bulge(corners[e], corners[(e + 1) % 3]))) + self.rest
+        Self { bulges: [0, 1, 2].map(|e| bulge(corners[e], corners[(e + 1) % 3])), rest: self.rest }
     }
 }
 
@@ -188,9 +194,27 @@ mod tests {
                 let (deviation, face) = (Deviation::new(&quartic, at, size), corners(at, size));
                 for piece in [[a, ab, c], [ab, b, c], [ab, b, bc], [a, ab, bc], [a, bc, c]] {
                     let place = |w: [f64; 3]| [0, 1].map(|k| (0..3).map(|c| w[c] * face[c][k]).sum());
-                    let (bound, found) = (deviation.greatest_of_piece(piece), sampled(&quartic, piece.map(place)));
+                    let (bound, found) = (deviation.of_piece(piece).greatest(), sampled(&quartic, piece.map(place)));
                     assert!(found <= bound * (1.0 + 1e-12), "{seed} {at:?} {piece:?}: {found} beyond {bound}");
                 }
+            }
+        }
+    }
+
+    /// Whatever the direction, no sample stands off farther along it, and none is needed that is much farther.
+    #[test]
+    fn no_sample_exceeds_the_bound_along_a_direction() {
+        for seed in 0..40 {
+            let quartic = rough(seed);
+            let mut next = numbers(seed + 100);
+            for (at, size) in PLACES {
+                let direction = DVec3::new(next(), next(), next()).normalize();
+                let mut flat = quartic;
+                flat.coefficients.iter_mut().for_each(|c| *c = direction * c.dot(direction));
+                let bound = Deviation::new(&quartic, at, size).along(direction);
+                let found = sampled(&flat, corners(at, size));
+                assert!(found <= bound * (1.0 + 1e-12), "{seed} {at:?}: {found} beyond {bound}");
+                assert!(found > 0.25 * bound, "{seed} {at:?}: {found} is far below {bound}");
             }
         }
     }

@@ -43,11 +43,6 @@ pub struct Leaf {
 }
 
 impl Leaf {
-    /// Is it cut into more than one triangle?
-    pub fn is_cut(&self) -> bool {
-        self.halves.iter().any(Option::is_some)
-    }
-
     /// Its triangles: one more for each vertex inside an edge.
     fn triangles(&self) -> Range<usize> {
         let first = self.first as usize;
@@ -131,18 +126,34 @@ impl Assembly {
         let mut beyond: Vec<u32> = self.indices(leaf).iter().flatten().flat_map(|&v| around.of(v)).copied().collect();
         beyond.sort_unstable();
         beyond.dedup();
-        beyond.into_iter().map(|t| Facet::new(self.positions(self.triangles.triangles[t as usize]))).collect()
+        beyond.into_iter().map(|t| Facet::new(self.corners(t))).collect()
     }
 
     /// The unit normal of a triangle; zero if it has no area.
     pub fn normal(&self, triangle: u32) -> DVec3 {
-        let [a, b, c] = self.positions(self.triangles.triangles[triangle as usize]);
+        let [a, b, c] = self.corners(triangle);
         (b - a).cross(c - a).normalize_or_zero()
     }
 
     /// Which of the leaves stand on a root face.
     pub fn leaves_of(&self, face: usize) -> Range<usize> {
         self.first_leaves[face]..self.first_leaves[face + 1]
+    }
+
+    /// The triangles of a leaf.
+    pub fn triangles_of(&self, leaf: &Leaf) -> Range<u32> {
+        let range = leaf.triangles();
+        range.start as u32..range.end as u32
+    }
+
+    /// The vertices of a triangle.
+    pub fn triangle(&self, t: u32) -> [u32; 3] {
+        self.triangles.triangles[t as usize]
+    }
+
+    /// Where the corners of a triangle stand.
+    pub fn corners(&self, t: u32) -> [DVec3; 3] {
+        self.positions(self.triangle(t))
     }
 
     fn indices(&self, leaf: &Leaf) -> &[[u32; 3]] {
@@ -203,6 +214,7 @@ impl Assembly {
 pub struct Around {
     starts: Vec<u32>,
     triangles: Vec<u32>,
+    on_border: Vec<bool>,
 }
 
 impl Around {
@@ -221,7 +233,27 @@ impl Around {
                 next[v as usize] += 1;
             }
         }
-        Self { starts, triangles: around }
+        let mut all = Self { starts, triangles: around, on_border: vec![false; vertices] };
+        for v in 0..vertices as u32 {
+            all.on_border[v as usize] = all.is_open(v, triangles);
+        }
+        all
+    }
+
+    /// Is there a gap between the triangles around a vertex? The ways out of it, to the next corner of each
+    /// triangle, are then not the ways back.
+    fn is_open(&self, v: u32, triangles: &[[u32; 3]]) -> bool {
+        let corner = |t: u32, by: usize| {
+            let corners = triangles[t as usize];
+            corners.iter().position(|&c| c == v).map(|c| corners[(c + by) % 3])
+        };
+        let fan = self.of(v);
+        fan.iter().any(|&t| !fan.iter().any(|&other| corner(other, 2) == corner(t, 1)))
+    }
+
+    /// The triangles around a vertex, if they are all around it.
+    pub fn whole(&self, v: u32) -> Option<&[u32]> {
+        (!self.on_border[v as usize]).then(|| self.of(v))
     }
 
     fn of(&self, v: u32) -> &[u32] {

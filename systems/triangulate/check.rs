@@ -8,6 +8,7 @@ use core::cell::OnceCell;
 
 use glam::DVec3;
 use selvedge_components::mesh::FaceId;
+use selvedge_components::subdivision::Deviation;
 
 use super::Subject;
 use super::assemble::{Around, Assembly, Leaf};
@@ -31,9 +32,8 @@ const AT_A_TIME: [usize; 2] = [64, 1024];
 /// If a leaf fails that is to be quartered, those which cost more are not measured: they are when the
 /// next forest has its triangles.
 pub fn check(subject: &Subject, assembly: &Assembly, chord: f64, last_level: u32) -> Vec<Farthest> {
-    let checker = Checker { subject, assembly, around: assembly.around(), weights: Grid::Ninths.weights() };
-    let normals = map_in_order(assembly.triangle_count(), |t| assembly.normal(t as u32));
-    let bounds = checker.by_root(|nest, i| Some(checker.bound(nest, &assembly.leaves[i], &normals, chord)));
+    let checker = Checker::new(subject, assembly);
+    let bounds = checker.by_root(|nest, i| Some(checker.bound(nest, &assembly.leaves[i], chord)));
     let bounds: Vec<f64> = bounds.into_iter().flatten().collect();
     let mut found: Vec<Option<Farthest>> = vec![None; bounds.len()];
     let turns: [fn(f64) -> bool; 2] = [|bound| bound.is_finite(), |bound| !bound.is_finite()];
@@ -61,10 +61,22 @@ struct Checker<'a> {
     subject: &'a Subject,
     assembly: &'a Assembly,
     around: Around,
+    /// The unit normals of the triangles.
+    normals: Vec<DVec3>,
     weights: Vec<[f64; 3]>,
 }
 
 impl<'a> Checker<'a> {
+    fn new(subject: &'a Subject, assembly: &'a Assembly) -> Self {
+        Self {
+            subject,
+            assembly,
+            around: assembly.around(),
+            normals: map_in_order(assembly.triangle_count(), |t| assembly.normal(t as u32)),
+            weights: Grid::Ninths.weights(),
+        }
+    }
+
     /// What `of` makes of every leaf; leaves of one root face share its nest.
     fn by_root<R: Send>(&self, of: impl Fn(&mut Nest<'a>, usize) -> Option<R> + Sync + Send) -> Vec<Option<R>> {
         let faces = map_in_order(self.subject.surface.mesh.face_count(), |f| {
@@ -131,16 +143,46 @@ impl<'a> Checker<'a> {
 
     /// No point of a leaf is farther from the triangles than this, or the other way round; infinite where
     /// no polynomial tells.
-    fn bound(&self, nest: &mut Nest<'a>, leaf: &Leaf, normals: &[DVec3], chord: f64) -> f64 {
+    fn bound(&self, nest: &mut Nest<'a>, leaf: &Leaf, chord: f64) -> f64 {
         let spot = nest.spot(leaf.place);
         let Some(quartic) = nest.quartic(spot) else { return f64::INFINITY };
         let (deviation, first) = Inner::new(leaf.place, spot.level).deviation(quartic);
-        let _ = (normals, chord);
-        if !leaf.is_cut() {
-            return deviation.greatest();
-        }
         let turned = |w: [f64; 3]| core::array::from_fn(|c| w[(first + c) % 3]);
-        let of_piece = |piece: &Piece| deviation.greatest_of_piece(piece.map(|(_, w)| turned(w)));
-        self.assembly.pieces(leaf).iter().map(of_piece).fold(0.0, f64::max)
+        let of_piece = |(t, piece): (u32, &Piece)| {
+            let deviation = deviation.of_piece(piece.map(|(_, w)| turned(w)));
+            let straight = deviation.greatest();
+            if straight <= chord { straight } else { straight.min(self.sliding(&deviation, t)) }
+        };
+        self.assembly.triangles_of(leaf).zip(&self.assembly.pieces(leaf)).map(of_piece).fold(0.0, f64::max)
+    }
+
+    /// The same for the part of a leaf over triangle `t`, which it stands off by `deviation`, where the
+    /// surface slides along the triangle: what its heights bound.
+    ///
+    /// A foot beyond an edge is over a neighbour, or over another triangle at a corner, and as high over
+    /// that as over this, but for how far it is beyond, times the sine of the angle between the two. Nor is
+    /// any point of a triangle farther off: the surface over the triangles around hangs together, and so
+    /// do its feet, which leave none of the triangle out. Over a border there is no neighbour.
+    fn sliding(&self, deviation: &Deviation, t: u32) -> f64 {
+        let corners = self.assembly.corners(t);
+        let normal = self.normals[t as usize];
+        if normal == DVec3::ZERO {
+            return f64::INFINITY;
+        }
+        let mut bend = 0.0_f64;
+        for v in self.assembly.triangle(t) {
+            let Some(fan) = self.around.whole(v) else { return f64::INFINITY };
+            for &other in fan {
+                let sine = normal.cross(self.normals[other as usize]).length();
+                // A triangle that faces away is no neighbour to slide to; nor is one without a normal.
+                let turned = normal.dot(self.normals[other as usize]) <= 0.0;
+                bend = bend.max(if turned { f64::INFINITY } else { sine });
+            }
+        }
+        let beyond = (0..3).map(|e| {
+            let along = corners[(e + 1) % 3] - corners[e];
+            deviation.along(along.cross(normal).normalize_or_zero())
+        });
+        deviation.along(normal) + bend * beyond.fold(0.0, f64::max)
     }
 }
