@@ -7,7 +7,7 @@
 use selvedge_components::subdivision::FaceCode;
 
 use super::assemble::{Assembly, assemble};
-use super::check::{check, is_beyond};
+use super::check::{Known, check, is_beyond};
 use super::forest::Forest;
 use super::grow::grow;
 use super::sample::{Farthest, Place};
@@ -20,11 +20,12 @@ use super::{ChordReport, Subject, TriangulateError, TriangulateOptions, Triangul
 pub fn adapt(subject: &Subject, chord: f64, options: &TriangulateOptions) -> Result<Triangulation, TriangulateError> {
     let mut forest = Forest::new(subject.surface.mesh.face_count());
     let mut new = forest.leaves();
+    let mut known = Known::default();
     loop {
         grow(subject, &mut forest, new, chord, options)?;
         let assembly = assemble(subject, &forest, options.normals)?;
         within_budget(assembly.triangle_count(), options)?;
-        let found = check(subject, &assembly, chord, options.last_level);
+        let found = check(subject, &assembly, chord, options.last_level, &mut known);
         let mut too_far = failing(&assembly, &found, chord);
         let stuck = too_far.get(options.last_level as usize).map_or(0, Vec::len);
         too_far.truncate(options.last_level as usize);

@@ -42,7 +42,15 @@ pub struct Leaf {
     first: u32,
 }
 
+/// A leaf and how it is cut: its level, its code, and whether there is a vertex inside each edge.
+pub type LeafKey = (u32, u64, [bool; 3]);
+
 impl Leaf {
+    /// What tells it from other leaves of any forest.
+    pub fn key(&self) -> LeafKey {
+        (self.place.level, self.place.code.0, self.halves.map(|half| half.is_some()))
+    }
+
     /// Its triangles: one more for each vertex inside an edge.
     fn triangles(&self) -> Range<usize> {
         let first = self.first as usize;

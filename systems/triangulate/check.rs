@@ -5,18 +5,19 @@
 //! achieved is met at a place.
 
 use core::cell::OnceCell;
+use std::collections::HashMap;
 
 use glam::DVec3;
 use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::Deviation;
 
 use super::Subject;
-use super::assemble::{Around, Assembly, Leaf};
+use super::assemble::{Around, Assembly, Leaf, LeafKey};
 use super::inner::Inner;
 use super::measure::Facet;
-use super::nest::Nest;
 use super::sample::{Farthest, Grid, Piece, Sampled};
 use crate::parallel::map_in_order;
+use crate::subdivision::limit::Nest;
 
 /// Of leaves that must be sampled anyway, distances up to this part of the chord are not told apart: what
 /// lies below does not decide, and is seldom the farthest.
@@ -31,16 +32,21 @@ const AT_A_TIME: [usize; 2] = [64, 1024];
 ///
 /// If a leaf fails that is to be quartered, those which cost more are not measured: they are when the
 /// next forest has its triangles.
-pub fn check(subject: &Subject, assembly: &Assembly, chord: f64, last_level: u32) -> Vec<Farthest> {
-    let checker = Checker::new(subject, assembly);
-    let bounds = checker.by_root(|nest, i| Some(checker.bound(nest, &assembly.leaves[i], chord)));
+pub fn check(subject: &Subject, assembly: &Assembly, chord: f64, last_level: u32, known: &mut Known) -> Vec<Farthest> {
+    let checker = Checker::new(subject, assembly, chord);
+    let bounds = checker.by_root(|nest, i| Some(checker.bound(nest, &assembly.leaves[i])));
     let bounds: Vec<f64> = bounds.into_iter().flatten().collect();
     let mut found: Vec<Option<Farthest>> = vec![None; bounds.len()];
     let turns: [fn(f64) -> bool; 2] = [|bound| bound.is_finite(), |bound| !bound.is_finite()];
     for turn in turns {
         let due = |i: usize| bounds[i] > chord && turn(bounds[i]);
-        for (all, found) in found.iter_mut().zip(checker.measure(due, SHARP * chord)) {
-            *all = all.or(found);
+        let measured = checker.measure(due, known, SHARP * chord);
+        for ((all, measured), leaf) in found.iter_mut().zip(measured).zip(&assembly.leaves) {
+            let Some(measured) = measured else { continue };
+            *all = Some(measured.farthest);
+            if measured.alone {
+                known.0.insert(leaf.key(), measured.farthest);
+            }
         }
         let fails = |(leaf, found): (&Leaf, &Option<Farthest>)| {
             leaf.place.level < last_level && found.is_some_and(|found| is_beyond(&found, chord))
@@ -52,6 +58,19 @@ pub fn check(subject: &Subject, assembly: &Assembly, chord: f64, last_level: u32
     checker.find_farthest(&bounds, found, SHARP * chord)
 }
 
+/// What was measured of leaves by their own triangles alone: it holds in the next forest, too, for those
+/// that are still there and cut as they were.
+#[derive(Debug, Default)]
+pub struct Known(HashMap<LeafKey, Farthest>);
+
+/// A leaf that was measured.
+#[derive(Clone, Copy, Debug)]
+struct Measured {
+    farthest: Farthest,
+    /// By its own triangles alone?
+    alone: bool,
+}
+
 /// Is it farther off than `limit`?
 pub fn is_beyond(found: &Farthest, limit: f64) -> bool {
     found.squared.is_nan() || found.squared > limit * limit
@@ -60,6 +79,7 @@ pub fn is_beyond(found: &Farthest, limit: f64) -> bool {
 struct Checker<'a> {
     subject: &'a Subject,
     assembly: &'a Assembly,
+    chord: f64,
     around: Around,
     /// The unit normals of the triangles.
     normals: Vec<DVec3>,
@@ -67,10 +87,11 @@ struct Checker<'a> {
 }
 
 impl<'a> Checker<'a> {
-    fn new(subject: &'a Subject, assembly: &'a Assembly) -> Self {
+    fn new(subject: &'a Subject, assembly: &'a Assembly, chord: f64) -> Self {
         Self {
             subject,
             assembly,
+            chord,
             around: assembly.around(),
             normals: map_in_order(assembly.triangle_count(), |t| assembly.normal(t as u32)),
             weights: Grid::Ninths.weights(),
@@ -86,9 +107,13 @@ impl<'a> Checker<'a> {
         faces.into_iter().flatten().collect()
     }
 
-    /// Measures the leaves that are `due`. Distances up to `enough` are not told apart.
-    fn measure(&self, due: impl Fn(usize) -> bool + Sync + Send, enough: f64) -> Vec<Option<Farthest>> {
-        self.by_root(|nest, i| due(i).then(|| self.farthest(nest, &self.assembly.leaves[i], enough)))
+    /// Measures the leaves that are `due` and not `known`. Distances up to `enough` are not told apart.
+    fn measure(&self, due: impl Fn(usize) -> bool + Sync + Send, known: &Known, enough: f64) -> Vec<Option<Measured>> {
+        let measured = |nest: &mut Nest<'a>, leaf: &Leaf| match known.0.get(&leaf.key()) {
+            Some(&farthest) => Measured { farthest, alone: true },
+            None => self.farthest(nest, leaf, enough),
+        };
+        self.by_root(|nest, i| due(i).then(|| measured(nest, &self.assembly.leaves[i])))
     }
 
     /// Measures what may be the farthest until it is found. `found` holds what was measured already, with
@@ -111,7 +136,7 @@ impl<'a> Checker<'a> {
             open.sort_unstable_by(first);
             let leaf = |k: usize| &self.assembly.leaves[open[k].1];
             let measured = map_in_order(open.len(), |k| {
-                self.farthest(&mut Nest::new(&self.subject.limit, leaf(k).place.root()), leaf(k), most)
+                self.farthest(&mut Nest::new(&self.subject.limit, leaf(k).place.root()), leaf(k), most).farthest
             });
             for (&(_, i), measured) in open.iter().zip(measured) {
                 most = most.max(distance(&measured));
@@ -125,7 +150,7 @@ impl<'a> Checker<'a> {
     }
 
     /// Measures a leaf. Distances up to `enough` are not told apart.
-    fn farthest(&self, nest: &mut Nest<'a>, leaf: &Leaf, enough: f64) -> Farthest {
+    fn farthest(&self, nest: &mut Nest<'a>, leaf: &Leaf, enough: f64) -> Measured {
         let mut sampled = Sampled::new(self.subject, nest, leaf.place);
         let (own, around) = (self.assembly.own(leaf), OnceCell::new());
         let near = |x: DVec3| {
@@ -138,20 +163,22 @@ impl<'a> Checker<'a> {
             around.iter().map(|facet| facet.squared(x)).fold(squared, f64::min)
         };
         let there = sampled.farthest(&self.weights, near);
-        there.or(sampled.farthest_back(&self.assembly.pieces(leaf), enough))
+        let farthest = there.or(sampled.farthest_back(&self.assembly.pieces(leaf), enough, self.chord));
+        // A distance beyond may be to a triangle that is quartered next.
+        Measured { farthest, alone: around.get().is_none() && !is_beyond(&farthest, enough) }
     }
 
     /// No point of a leaf is farther from the triangles than this, or the other way round; infinite where
     /// no polynomial tells.
-    fn bound(&self, nest: &mut Nest<'a>, leaf: &Leaf, chord: f64) -> f64 {
-        let spot = nest.spot(leaf.place);
+    fn bound(&self, nest: &mut Nest<'a>, leaf: &Leaf) -> f64 {
+        let spot = nest.spot(leaf.place.level, leaf.place.code);
         let Some(quartic) = nest.quartic(spot) else { return f64::INFINITY };
         let (deviation, first) = Inner::new(leaf.place, spot.level).deviation(quartic);
         let turned = |w: [f64; 3]| core::array::from_fn(|c| w[(first + c) % 3]);
         let of_piece = |(t, piece): (u32, &Piece)| {
             let deviation = deviation.of_piece(piece.map(|(_, w)| turned(w)));
             let straight = deviation.greatest();
-            if straight <= chord { straight } else { straight.min(self.sliding(&deviation, t)) }
+            if straight <= self.chord { straight } else { straight.min(self.sliding(&deviation, t)) }
         };
         self.assembly.triangles_of(leaf).zip(&self.assembly.pieces(leaf)).map(of_piece).fold(0.0, f64::max)
     }

@@ -15,10 +15,10 @@ use super::check::is_beyond;
 use super::forest::Forest;
 use super::inner::Inner;
 use super::measure::{Facet, Over};
-use super::nest::Nest;
 use super::sample::{Grid, Place, Sampled};
 use super::{Subject, TriangulateError, TriangulateOptions, within_budget};
 use crate::parallel::map_in_order;
+use crate::subdivision::limit::Nest;
 
 /// A leaf that is sampled passes where fifteen points find it closer than this part of the chord.
 ///
@@ -85,7 +85,7 @@ impl Growth<'_> {
         if place.level == self.options.last_level {
             return Ok(());
         }
-        let spot = nest.spot(place);
+        let spot = nest.spot(place.level, place.code);
         let verdict = nest.quartic(spot).map(|quartic| judge(quartic, Inner::new(place, spot.level), self.chord));
         let far = match verdict {
             Some(Verdict::Keeps) => false,

@@ -26,7 +26,6 @@ mod grow;
 mod inner;
 mod measure;
 mod names;
-mod nest;
 mod reach;
 mod sample;
 mod system;

@@ -9,8 +9,8 @@ use smallvec::SmallVec;
 use super::Subject;
 use super::inner::Inner;
 use super::measure::{Plane, squared_to_segment};
-use super::nest::{Nest, Spot};
 use crate::foot;
+use crate::subdivision::limit::{Nest, Spot};
 
 /// Where a leaf is sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,7 +119,7 @@ pub struct Sampled<'n, 'a> {
 impl<'n, 'a> Sampled<'n, 'a> {
     /// The face at `place`, within the root face of `nest`.
     pub fn new(subject: &'n Subject, nest: &'n mut Nest<'a>, place: Place) -> Self {
-        let spot = nest.spot(place);
+        let spot = nest.spot(place.level, place.code);
         let inner = nest.quartic(spot).map(|_| Inner::new(place, spot.level).corners());
         let borders = borders(subject, place);
         let mut sampled = Self { subject, nest, place, spot, inner, corners: [DVec3::ZERO; 3], borders };
@@ -154,24 +154,24 @@ impl<'n, 'a> Sampled<'n, 'a> {
     }
 
     /// The point of its triangles that is farthest from the limit surface, of those that are farther
-    /// than `limit`.
+    /// than `enough`.
     ///
-    /// The point of the surface with the same weights is no nearer than the foot: where it is within the
-    /// limit already, the foot is not looked for.
-    pub fn farthest_back(&mut self, pieces: &[Piece], limit: f64) -> Farthest {
+    /// The point of the surface with the same weights is no nearer than the foot, nor is what is found
+    /// from there over this face: only where that is beyond the `limit` the foot is looked for all around.
+    pub fn farthest_back(&mut self, pieces: &[Piece], enough: f64, limit: f64) -> Farthest {
         let mut farthest = Farthest::default();
         let plane = Plane::new(self.corners);
         for piece in pieces {
             let on_leaf = |b: [f64; 3]| core::array::from_fn(|w| (0..3).map(|c| piece[c].1[w] * b[c]).sum());
             for b in INSIDE {
                 let y = (0..3).fold(DVec3::ZERO, |sum, c| sum + piece[c].0 * b[c]);
-                let mut distance = self.distance_over(plane.as_ref(), on_leaf(b), y, limit);
+                let mut distance = self.distance_over(plane.as_ref(), on_leaf(b), y, enough);
                 if distance > limit {
                     let starts = core::iter::once(b).chain(foot::AROUND).map(|b| self.on_root(on_leaf(b)));
                     let (surface, mesh) = (&self.subject.limit, &self.subject.surface.mesh);
                     distance = distance.min(foot::distance(surface, mesh, starts, y, limit));
                 }
-                farthest.see(y, if distance <= limit { 0.0 } else { distance * distance });
+                farthest.see(y, if distance <= enough { 0.0 } else { distance * distance });
             }
         }
         farthest

@@ -115,15 +115,16 @@ impl<'a> Patch<'a> {
         on_border.or_else(at_corner)
     }
 
-    /// All four quarters, each as [`Patch::quarter`] gives it.
-    pub fn quarters(&self) -> [Self; 4] {
+    /// Hands out all four quarters in turn, each as [`Patch::quarter`] gives it.
+    pub fn quarters(&self, mut put: impl FnMut(Self)) {
         let scheme = self.scheme;
         let vertices = [0, 1, 2].map(|c| self.rings[c].vertex_point());
         let middles = [0, 1, 2].map(|c| self.rings[c].spoke_point(scheme, self.at[c]));
         let halves = [0, 1, 2].map(|c| self.middle_ring(c, &vertices, &middles));
-        let at_corner = |c: usize| self.corner_quarter(c, &middles, [halves[c].clone(), halves[(c + 2) % 3].clone()]);
-        let [a, b, c] = [0, 1, 2].map(at_corner);
-        [a, b, c, Self { scheme, rings: halves, at: [1; 3] }]
+        for c in 0..3 {
+            put(self.corner_quarter(c, &middles, [halves[c].clone(), halves[(c + 2) % 3].clone()]));
+        }
+        put(Self { scheme, rings: halves, at: [1; 3] });
     }
 
     /// One of the four quarters: 0 to 2 hold the corner of that number, 3 is the middle one.

@@ -5,6 +5,7 @@
 //! [`Patch`] evaluates a face from the rings of its corners alone. Derived from the surface and
 //! dropped at will.
 
+mod nest;
 mod plan;
 
 use std::sync::Arc;
@@ -21,6 +22,7 @@ use thiserror::Error;
 
 use super::chain::{self, Level};
 use crate::parallel::map_in_order;
+pub use nest::{Nest, Spot};
 use plan::Plan;
 
 /// Why a surface cannot be evaluated.

@@ -3,26 +3,29 @@
 use glam::DVec3;
 use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::boxspline::Quartic;
-use selvedge_components::subdivision::{Descent, Patch};
+use selvedge_components::subdivision::{Descent, FaceCode, Patch};
+use smallvec::SmallVec;
 
-use super::sample::Place;
-use crate::subdivision::limit::{Kept, LimitSurface, Piece};
+use super::{Kept, LimitSurface, Piece};
 
 /// The faces within a root face that have been asked for.
 ///
 /// Beside given borders and irregular vertices a face has polynomials only in its quarters' quarters:
 /// whoever asks for many points of it shares them here, and the samples of curves that make them.
+#[derive(Debug)]
 pub struct Nest<'a> {
     limit: &'a LimitSurface,
     nodes: Vec<Node<'a>>,
 }
 
+#[derive(Debug)]
 struct Node<'a> {
     body: Body<'a>,
     /// The first of its quarters, once they are there.
     children: Option<u32>,
 }
 
+#[derive(Debug)]
 enum Body<'a> {
     Kept([Kept; 4]),
     Quartic(Box<Quartic>),
@@ -50,11 +53,11 @@ impl<'a> Nest<'a> {
         Self { limit, nodes: vec![Node { body, children: None }] }
     }
 
-    /// The face at `place`, which lies in the root face.
-    pub fn spot(&mut self, place: Place) -> Spot {
+    /// The face `code` of `level`, which lies in the root face.
+    pub fn spot(&mut self, level: u32, code: FaceCode) -> Spot {
         let mut spot = self.root();
-        while spot.level < place.level && self.quartic(spot).is_none() {
-            let child = place.code.0 >> (2 * (place.level - spot.level - 1)) & 3;
+        while spot.level < level && self.quartic(spot).is_none() {
+            let child = code.0 >> (2 * (level - spot.level - 1)) & 3;
             spot = self.child(spot, child as usize);
         }
         spot
@@ -73,12 +76,13 @@ impl<'a> Nest<'a> {
 
     fn quarter(&mut self, node: u32) -> u32 {
         let first = self.nodes.len() as u32;
-        let children: [Body; 4] = match &self.nodes[node as usize].body {
-            Body::Kept(children) => children.map(|kept| body_of(self.limit.piece(kept))),
-            Body::Patch(patch) => patch.quarters().map(body_of_patch),
-            Body::Quartic(_) | Body::Nothing => [const { Body::Nothing }; 4],
-        };
-        self.nodes.extend(children.map(|body| Node { body, children: None }));
+        let mut children = SmallVec::<[Body<'a>; 4]>::new();
+        match &self.nodes[node as usize].body {
+            Body::Kept(kept) => children.extend(kept.map(|kept| body_of(self.limit.piece(kept)))),
+            Body::Patch(patch) => patch.quarters(|quarter| children.push(body_of_patch(quarter))),
+            Body::Quartic(_) | Body::Nothing => children.extend([const { Body::Nothing }; 4]),
+        }
+        self.nodes.extend(children.into_iter().map(|body| Node { body, children: None }));
         self.nodes[node as usize].children = Some(first);
         first
     }
