@@ -25,8 +25,13 @@ struct Vertex {
 pub fn evaluate(subject: &Subject, names: &Names, normals: Normals) -> Triangles {
     let mesh = &*subject.surface.mesh;
     let corners = map_in_order(names.corner_count(), |v| {
-        let origin = corner_origin(mesh, VertexId::new(v));
-        Evaluator::new(subject, origin.face).vertex(origin, normals)
+        let h = corner_halfedge(mesh, VertexId::new(v));
+        let origin = on_halfedge(h, 0.0);
+        let vertex = Evaluator::new(subject, origin.face).vertex(origin, normals);
+        match (normals, vertex.normal == DVec3::ZERO) {
+            (Normals::OfLimit, true) => Vertex { normal: subject.limit.normal_at(h), ..vertex },
+            _ => vertex,
+        }
     });
     let first_edges = first_edges(mesh);
     let faces = map_in_order(mesh.face_count(), |f| {
@@ -104,8 +109,8 @@ fn part(steps: u32, n: u32) -> f64 {
     f64::from(steps) / f64::from(n)
 }
 
-fn corner_origin(mesh: &Connectivity, v: VertexId) -> SurfacePoint {
-    on_halfedge(mesh.ring(v).min().unwrap_or(mesh.outgoing(v)), 0.0)
+fn corner_halfedge(mesh: &Connectivity, v: VertexId) -> HalfedgeId {
+    mesh.ring(v).min().unwrap_or(mesh.outgoing(v))
 }
 
 fn edge_origin(mesh: &Connectivity, e: EdgeId, steps: u32, n: u32) -> SurfacePoint {

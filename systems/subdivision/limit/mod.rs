@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use selvedge_components::evaluate::{Evaluate, Jet, SurfacePoint};
-use selvedge_components::mesh::{FaceId, VertexId};
+use selvedge_components::mesh::{FaceId, HalfedgeId, VertexId};
 use selvedge_components::subdivision::boxspline::Quartic;
 use selvedge_components::subdivision::{
     CornerTable, Descent, FaceCode, Kind, LevelMesh, LimitFrame, LoopSurface, NONE, Patch, RingState, Scheme,
@@ -161,6 +161,29 @@ impl LimitSurface {
                 Piece::Patch(Patch::of(scheme, &kept.level.mesh, &kept.level.state, face))
             }
         })
+    }
+
+    /// The unit normal at the root vertex that `h` leaves, whatever angle its faces span; zero where there
+    /// is none.
+    ///
+    /// A smooth border vertex of one face has both of the face's derivatives along the border: their
+    /// product is no normal.
+    pub fn normal_at(&self, h: HalfedgeId) -> DVec3 {
+        let scheme = Scheme { surface: &self.surface, corners: &self.corners };
+        let (mut face, corner) = (h.face().0, h.corner());
+        for kept in &self.levels {
+            let Level { mesh, state } = &kept.level;
+            match kept.faces.get(face as usize) {
+                // The quarter of that number, and there the same corner again.
+                Some(Face::Children(first)) => face = first + corner as u32,
+                Some(_) => {
+                    let frame = limit_frame(scheme, mesh, state, mesh.corners[face as usize][corner]);
+                    return frame.map_or(DVec3::ZERO, |frame| frame.normal());
+                }
+                None => break,
+            }
+        }
+        DVec3::ZERO
     }
 
     /// The finest kept face at a place, and the way there.
