@@ -55,7 +55,7 @@ pub fn check(subject: &Subject, assembly: &Assembly, chord: f64, last_level: u32
             return found.into_iter().map(Option::unwrap_or_default).collect();
         }
     }
-    checker.find_farthest(&bounds, found, SHARP * chord)
+    checker.find_farthest(&bounds, found)
 }
 
 /// What was measured of leaves by their own triangles alone: it holds in the next forest, too, for those
@@ -111,21 +111,19 @@ impl<'a> Checker<'a> {
     fn measure(&self, due: impl Fn(usize) -> bool + Sync + Send, known: &Known, enough: f64) -> Vec<Option<Measured>> {
         let measured = |nest: &mut Nest<'a>, leaf: &Leaf| match known.0.get(&leaf.key()) {
             Some(&farthest) => Measured { farthest, alone: true },
-            None => self.farthest(nest, leaf, enough),
+            None => self.farthest(nest, leaf, enough, self.chord),
         };
         self.by_root(|nest, i| due(i).then(|| measured(nest, &self.assembly.leaves[i])))
     }
 
-    /// Measures what may be the farthest until it is found. `found` holds what was measured already, with
-    /// distances up to `sharp` not told apart.
-    fn find_farthest(&self, bounds: &[f64], mut found: Vec<Option<Farthest>>, sharp: f64) -> Vec<Farthest> {
+    /// Measures what may be the farthest until it is found. `found` holds what was measured already, from
+    /// above.
+    fn find_farthest(&self, bounds: &[f64], mut found: Vec<Option<Farthest>>) -> Vec<Farthest> {
         let distance = |found: &Farthest| found.squared.sqrt();
-        let mut most = found.iter().flatten().map(distance).filter(|&d| d > sharp).fold(0.0, f64::max);
+        let mut most = 0.0_f64;
         let at_most = |i: usize| found[i].as_ref().map_or(bounds[i], distance);
-        let mut open: Vec<(f64, usize)> = (0..bounds.len())
-            .map(|i| (at_most(i), i))
-            .filter(|&(d, i)| d > most && (found[i].is_none() || d <= sharp))
-            .collect();
+        let mut open: Vec<(f64, usize)> =
+            (0..bounds.len()).map(|i| (at_most(i), i)).filter(|open| open.0 > most).collect();
         let first = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
         let mut count = AT_A_TIME[0];
         while !open.is_empty() {
@@ -136,7 +134,7 @@ impl<'a> Checker<'a> {
             open.sort_unstable_by(first);
             let leaf = |k: usize| &self.assembly.leaves[open[k].1];
             let measured = map_in_order(open.len(), |k| {
-                self.farthest(&mut Nest::new(&self.subject.limit, leaf(k).place.root()), leaf(k), most).farthest
+                self.farthest(&mut Nest::new(&self.subject.limit, leaf(k).place.root()), leaf(k), most, most).farthest
             });
             for (&(_, i), measured) in open.iter().zip(measured) {
                 most = most.max(distance(&measured));
@@ -149,8 +147,9 @@ impl<'a> Checker<'a> {
         found.into_iter().map(Option::unwrap_or_default).collect()
     }
 
-    /// Measures a leaf. Distances up to `enough` are not told apart.
-    fn farthest(&self, nest: &mut Nest<'a>, leaf: &Leaf, enough: f64) -> Measured {
+    /// Measures a leaf. Distances up to `enough` are not told apart, and those of its triangles up to `sharp`
+    /// may be less than is told.
+    fn farthest(&self, nest: &mut Nest<'a>, leaf: &Leaf, enough: f64, sharp: f64) -> Measured {
         let mut sampled = Sampled::new(self.subject, nest, leaf.place);
         let (own, around) = (self.assembly.own(leaf), OnceCell::new());
         let near = |x: DVec3| {
@@ -163,7 +162,7 @@ impl<'a> Checker<'a> {
             around.iter().map(|facet| facet.squared(x)).fold(squared, f64::min)
         };
         let there = sampled.farthest(&self.weights, near);
-        let farthest = there.or(sampled.farthest_back(&self.assembly.pieces(leaf), enough, self.chord));
+        let farthest = there.or(sampled.farthest_back(&self.assembly.pieces(leaf), enough, sharp));
         // A distance beyond may be to a triangle that is quartered next.
         Measured { farthest, alone: around.get().is_none() && !is_beyond(&farthest, enough) }
     }

@@ -28,9 +28,10 @@ pub fn evaluate(subject: &Subject, names: &Names, normals: Normals) -> Triangles
         let h = corner_halfedge(mesh, VertexId::new(v));
         let origin = on_halfedge(h, 0.0);
         let vertex = Evaluator::new(subject, origin.face).vertex(origin, normals);
-        match (normals, vertex.normal == DVec3::ZERO) {
-            (Normals::OfLimit, true) => Vertex { normal: subject.limit.normal_at(h), ..vertex },
-            _ => vertex,
+        // A face's derivatives say less there: a smooth border vertex has one normal, its faces any angle.
+        match (normals, subject.limit.normal_at(h)) {
+            (Normals::Without, _) | (_, DVec3::ZERO) => vertex,
+            (Normals::OfLimit, normal) => Vertex { normal, ..vertex },
         }
     });
     let first_edges = first_edges(mesh);
