@@ -4,10 +4,10 @@
 //! [result](ResultOf), derived and read-only; the source itself is never changed.
 //!
 //! ```text
-//! Trim -> AtLocate -> AtRemesh -> AtRefine -> AtCorrespond -> AtModify -+-> AtAudit -> TrimReport
-//!            |           |            ^                                 |       |
-//!            |           |            +---- next level, next round -----+       |
-//!            +-----------+----------------------+-------------------------------+--> TrimFailed
+//! Trim -> AtLocate -> AtRemesh -> AtRelax -> AtRefine -> AtCorrespond -> AtModify -+-> AtAudit -> TrimReport
+//!            |           |  ^         |          ^                                 |       |
+//!            |           |  +-finer---+          +---- next level, next round -----+       |
+//!            +-----------+------------+-----------------------+-----------------------+--> TrimFailed
 //! ```
 
 use core::fmt;
@@ -72,6 +72,17 @@ pub struct Junction {
     pub gap: f64,
 }
 
+/// The faces that a trim may fit, `Omega` in [Litke et al. 2001, Section 3.3], by what they add to `T`,
+/// the faces around vertices whose ring is not what it was.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Omega {
+    /// Nothing: the least change and the fewest details for a tolerance.
+    #[default]
+    Changed,
+    /// The neighbours of `T`, as in the paper: the least error for a level, above all for level 0.
+    Neighbourhood,
+}
+
 /// How a trim is made: settings, each with a default.
 #[derive(Component, Clone, Debug, PartialEq)]
 pub struct TrimOptions {
@@ -81,8 +92,10 @@ pub struct TrimOptions {
     pub rule: Rule,
     /// What each detail coefficient is rounded to when it is stored.
     pub storage: Storage,
-    /// The farthest from the curves that a control point may change, in model units. The whole cage
-    /// is refined first as often as that takes.
+    /// Which faces are fitted around those that the remeshing changes.
+    pub omega: Omega,
+    /// How far from the curves anything may change, in model units. The whole cage is refined first as
+    /// often as that takes, to four times the faces each time.
     pub reach: Option<f64>,
     /// How many samples the audit takes of each patch, both ways.
     pub samples: u32,
@@ -98,6 +111,7 @@ impl Default for TrimOptions {
             last_level: 12,
             rule: Rule::LeastSquares,
             storage: Storage::F64,
+            omega: Omega::Changed,
             reach: None,
             samples: 45,
             seed: 0x5e1_7ed6e,
@@ -127,17 +141,23 @@ pub struct AtLocate;
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct AtRemesh;
 
+/// Marks a trim whose new vertices settle along its curves.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct AtRelax;
+
 /// Marks a trim that is fitted and is being measured.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct AtAudit;
 
-/// The stages that are a trim's own; between the second and the last, it is fitted.
+/// The stages that are a trim's own; before the last, it is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum TrimStage {
     /// Curves are found on the source.
     Locate,
-    /// Curves are worked into the cage, and new vertices settle along them.
+    /// Curves are worked into the cage.
     Remesh,
+    /// New vertices settle along the curves, and the new cage is made; or a finer one is asked for.
+    Relax,
     /// Details are fitted.
     Fit,
     /// The result is measured.
@@ -149,6 +169,7 @@ impl fmt::Display for TrimStage {
         f.write_str(match self {
             Self::Locate => "locate",
             Self::Remesh => "remesh",
+            Self::Relax => "relax",
             Self::Fit => "fit",
             Self::Audit => "audit",
         })

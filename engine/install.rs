@@ -12,7 +12,7 @@ use selvedge_systems::gather::gather_surfaces;
 use selvedge_systems::schedule::{SelvedgeSystems, SubdivisionStage};
 use selvedge_systems::subdivision::job::{admit_fits, advance_fits};
 use selvedge_systems::subdivision::trim::{
-    admit_trims, advance_trims, audit_trims, compose_results, locate_trims, remesh_trims,
+    admit_trims, advance_trims, audit_trims, compose_results, locate_trims, relax_trims, remesh_trims,
 };
 use selvedge_systems::subdivision::{correspond_fits, modify_fits, refine_fits};
 use selvedge_systems::triangulate::triangulate_surfaces;
@@ -56,6 +56,7 @@ pub fn install(world: &mut World, schedule: &mut Schedule) {
     schedule.configure_sets(Advance.in_set(Finish));
     schedule.add_systems((admit_fits, admit_trims).chain().in_set(Admit));
     schedule.add_systems((locate_trims, remesh_trims).chain().in_set(Remesh));
+    schedule.add_systems(relax_trims.in_set(Relax));
     schedule.add_systems(correspond_fits.in_set(Correspond));
     schedule.add_systems(modify_fits.in_set(Modify));
     schedule.add_systems(refine_fits.in_set(Refine));

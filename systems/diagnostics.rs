@@ -78,8 +78,10 @@ pub struct SubdivisionDiagnostics {
     pub admit: Counters,
     /// Curves located on sources.
     pub locate: Counters,
-    /// Curves worked into cages.
+    /// Quanta of curves worked into cages.
     pub remesh: Counters,
+    /// Quanta of new vertices that settle.
+    pub relax: Counters,
     /// Quanta of correspondence.
     pub correspond: Counters,
     /// Quanta of modification.

@@ -73,11 +73,6 @@ pub struct StageContract {
     pub removes: &'static [&'static str],
 }
 
-/// A stage that is announced and has no system yet.
-const fn empty(set: &'static str, does: &'static str) -> StageContract {
-    StageContract { set, system: None, does, reads: &[], writes: &[], inserts: &[], removes: &[] }
-}
-
 /// Every system, in the order in which they run; a set of several is listed system by system.
 pub const STAGES: &[StageContract] = &[
     StageContract {
@@ -193,6 +188,7 @@ pub const STAGES: &[StageContract] = &[
             "AtLocate",
             "AtModify",
             "AtRefine",
+            "AtRelax",
             "AtRemesh",
             "FitJob",
             "FitWork",
@@ -219,13 +215,21 @@ pub const STAGES: &[StageContract] = &[
     StageContract {
         set: "SubdivisionStage::Remesh",
         system: Some("remesh_trims"),
-        does: "lets trims AtRemesh work their curves into the cage and begin its fit, and sets their step",
+        does: "lets trims AtRemesh work their curves into the cage, and sets their step",
         reads: &["AtRemesh"],
         writes: &["SubdivisionDiagnostics", "TrimJob", "TrimWork"],
         inserts: &[],
         removes: &[],
     },
-    empty("SubdivisionStage::Relax", "is run by the remeshing, which tries again where vertices do not settle"),
+    StageContract {
+        set: "SubdivisionStage::Relax",
+        system: Some("relax_trims"),
+        does: "lets new vertices of trims AtRelax settle along the curves, begins a fit, and sets their step",
+        reads: &["AtRelax"],
+        writes: &["SubdivisionDiagnostics", "TrimJob", "TrimWork"],
+        inserts: &[],
+        removes: &[],
+    },
     StageContract {
         set: "SubdivisionStage::Correspond",
         system: Some("correspond_fits"),
@@ -316,6 +320,8 @@ pub const STAGES: &[StageContract] = &[
             "AtCorrespond",
             "AtModify",
             "AtRefine",
+            "AtRelax",
+            "AtRemesh",
             "FitJob",
             "FitWork",
             "Solved",
@@ -329,6 +335,7 @@ pub const STAGES: &[StageContract] = &[
             "AtLocate",
             "AtModify",
             "AtRefine",
+            "AtRelax",
             "AtRemesh",
             "FitJob",
             "FitWork",

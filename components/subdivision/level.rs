@@ -27,7 +27,7 @@ pub const NONE: u32 = u32::MAX;
 /// mesh is *cut*: a half-edge there has neither twin nor border. The order of everything follows
 /// from the codes alone, so that sums over a ring have the same bits in every selection of faces
 /// that holds the whole ring.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct LevelMesh {
     /// Which level; 0 is the root mesh.
     pub level: u32,

@@ -14,11 +14,17 @@ use super::masks;
 use super::surface::LoopSurface;
 
 /// A sparse matrix, row by row; entries of a row stand in the order in which they are summed.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Rows {
     starts: Vec<u32>,
     columns: Vec<u32>,
     weights: Vec<f64>,
+}
+
+impl Default for Rows {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl Rows {
@@ -63,7 +69,7 @@ impl Rows {
 
 /// How one level's effective points make the next one's: `e' = S e + offset`, and on a given
 /// border `d' = S d`, `e' = p' - d'`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Step {
     /// One row per vertex of the finer level.
     pub rows: Rows,
@@ -191,7 +197,7 @@ impl LevelState {
 }
 
 /// Limit positions as sparse rows over one level's effective points.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct LimitRows {
     /// The vertices that have a row, ascending: interior ones and those on plain borders, with whole
     /// rings. On a given border the limit point is the sample.
@@ -220,9 +226,23 @@ impl LimitRows {
     /// the corner then has another rule than the mask assumes. One step later it no longer does, so
     /// there the row is the mask of the next level after the rules that lead to it.
     pub fn new(surface: &LoopSurface, corners: &CornerTable, mesh: &LevelMesh, wanted: impl Fn(u32) -> bool) -> Self {
-        let mut limit = Self { vertices: Vec::new(), rows: Rows::new(), offsets: Vec::new(), flat: Vec::new() };
+        let mut limit = Self::default();
+        limit.extend(surface, corners, mesh, 0..mesh.vertices.len() as u32, wanted);
+        limit
+    }
+
+    /// Adds the masks of the vertices of `range` that `wanted` selects, which come after all that it has.
+    pub fn extend(
+        &mut self,
+        surface: &LoopSurface,
+        corners: &CornerTable,
+        mesh: &LevelMesh,
+        range: Range<u32>,
+        wanted: impl Fn(u32) -> bool,
+    ) {
+        let limit = self;
         let weights = ValenceWeights::new(mesh);
-        for v in 0..mesh.vertices.len() as u32 {
+        for v in range {
             let vertex = mesh.vertices[v as usize];
             if vertex.ring == RingState::Cut || matches!(vertex.kind, Kind::Given(_)) || !wanted(v) {
                 continue;
@@ -244,7 +264,6 @@ impl LimitRows {
                 Kind::PlainCorner | Kind::Given(_) => limit.rows.push([(v, 1.0)]),
             }
         }
-        limit
     }
 
     fn push_beside_corner(

@@ -8,7 +8,7 @@ use selvedge_components::subdivision::{
 use super::region;
 
 /// One level: its mesh and its state, details of that level included.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Level {
     /// The faces and vertices.
     pub mesh: LevelMesh,

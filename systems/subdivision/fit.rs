@@ -15,12 +15,9 @@ use selvedge_components::mesh::VertexId;
 pub use selvedge_components::subdivision::fit::{
     FitError, FitOptions, Outcome, Quantum, Region, Rule, Rung, Stage, Storage,
 };
-use selvedge_components::subdivision::{
-    Address, CornerTable, Details, FaceCode, Kind, LevelMesh, LimitRows, LoopSurface, NONE, RingState, SideEnd, Step,
-};
+use selvedge_components::subdivision::{Address, CornerTable, Details, FaceCode, LoopSurface};
 
-use super::chain::{self, Level};
-use super::modify::Solve;
+use super::open::{OpenLevel, Opening};
 use super::region;
 use crate::target::Target;
 
@@ -37,6 +34,8 @@ pub struct FitWork {
     pub(super) details: Details,
     pub(super) stage: Stage,
     pub(super) open: OpenLevel,
+    /// The next level, while it is being opened.
+    pub(super) opening: Option<Opening>,
     pub(super) ladder: Vec<Rung>,
     pub(super) initial: Option<Rung>,
     pub(super) outcome: Option<Outcome>,
@@ -45,35 +44,6 @@ pub struct FitWork {
     pub(super) unreachable: (f64, DVec3),
     /// By root vertex: the place of the target that stands for it.
     pub(super) natural: Arc<[SurfacePoint]>,
-}
-
-/// The level in work.
-#[derive(Debug)]
-pub(super) struct OpenLevel {
-    pub level: u32,
-    /// Levels `j`, `j + 1` and `j + 2`.
-    pub levels: [Level; 3],
-    pub steps: [Step; 2],
-    /// Limit rows at `j + 1`, what is fitted, and at `j + 2`, what is measured.
-    pub fit_rows: LimitRows,
-    pub test_rows: LimitRows,
-    /// The patches of level `j` that the movable vertices influence, ascending.
-    pub influenced: Vec<FaceCode>,
-    /// Vertices of level `j` that may move, ascending, and their addresses.
-    pub movable: Vec<u32>,
-    pub addresses: Vec<Address>,
-    pub active: Vec<(u32, Address)>,
-    /// What has been added to each movable vertex, as a move of its effective point.
-    pub moves: Vec<DVec3>,
-    /// Which time round, at this level.
-    pub round: u32,
-    /// Residuals of the fitted rows, as far as they have been found, and where they were found.
-    pub residuals: Vec<DVec3>,
-    pub hints: Vec<Option<SurfacePoint>>,
-    pub solve: Option<Solve>,
-    /// Distances of the measured rows, as far as they have been found.
-    pub distances: Vec<f64>,
-    pub test_hints: Vec<Option<SurfacePoint>>,
 }
 
 impl FitWork {
@@ -85,15 +55,11 @@ impl FitWork {
         check_options(&surface, &options)?;
         let corners = CornerTable::new(&surface);
         let details = surface.details.clone();
-        let level = first_level(&surface)?;
-        let faces = region::whole(&surface.mesh, level);
-        let mut open = OpenLevel::new(&surface, &corners, &details, level, faces);
-        for (v, &at) in open.levels[0].state.effective.iter().enumerate() {
-            if !at.is_finite() {
-                return Err(FitError::NotFinite { vertex: VertexId::new(v), at });
-            }
+        if let Some(v) = surface.points.iter().position(|p| !p.is_finite()) {
+            return Err(FitError::NotFinite { vertex: VertexId::new(v), at: surface.points[v] });
         }
-        open.allow(&surface, &options.region);
+        let level = first_level(&surface)?;
+        let opening = Opening::new(level, region::whole(&surface.mesh, level));
         Ok(Self {
             surface,
             target,
@@ -101,7 +67,8 @@ impl FitWork {
             corners,
             details,
             stage: Stage::Refine,
-            open,
+            open: OpenLevel { level, ..OpenLevel::default() },
+            opening: Some(opening),
             ladder: Vec::new(),
             initial: None,
             outcome: None,
@@ -115,7 +82,6 @@ impl FitWork {
     #[must_use]
     pub fn with_natural(mut self, natural: Arc<[SurfacePoint]>) -> Self {
         self.natural = natural;
-        self.open.look_first_at(&self.surface, &self.natural);
         self
     }
 
@@ -251,125 +217,6 @@ fn check_options(surface: &LoopSurface, options: &FitOptions) -> Result<(), FitE
     Ok(())
 }
 
-impl OpenLevel {
-    /// Opens `level` with the vertices around `faces` movable.
-    pub fn new(
-        surface: &LoopSurface,
-        corners: &CornerTable,
-        details: &Details,
-        level: u32,
-        faces: Vec<FaceCode>,
-    ) -> Self {
-        let mesh = &surface.mesh;
-        let grow = |level, faces: &[FaceCode]| region::neighbourhood(mesh, level, faces);
-        // A vertex of N(faces) moves the patches of its two rings.
-        let around = grow(level, &faces);
-        let influenced = grow(level, &grow(level, &around));
-        // Two more rings: whole rings around every vertex of the influenced patches, two levels finer.
-        let rim = grow(level, &influenced);
-        let mut held = grow(level, &rim);
-        if level > 0 {
-            held = region::children(&region::parents(&held));
-        }
-        let base = chain::build(surface, corners, details, level, &held);
-        let local = |at: &LevelMesh, faces: &[FaceCode]| faces.iter().filter_map(|&f| at.find(f)).collect::<Vec<_>>();
-        let (finer, first) = chain::refine(surface, corners, details, &base, &local(&base.mesh, &rim));
-        let quarters = grow(level + 1, &region::children(&influenced));
-        let (finest, second) = chain::refine(surface, corners, details, &finer, &local(&finer.mesh, &quarters));
-        let inside = |at: &LevelMesh, shift: u32| {
-            let mut inside = vec![false; at.vertices.len()];
-            for (code, corners) in at.codes.iter().zip(&at.corners) {
-                if influenced.binary_search(&FaceCode(code.0 >> shift)).is_ok() {
-                    corners.iter().for_each(|&v| inside[v as usize] = true);
-                }
-            }
-            inside
-        };
-        let (fitted, measured) = (inside(&finer.mesh, 2), inside(&finest.mesh, 4));
-        let fit_rows = LimitRows::new(surface, corners, &finer.mesh, |v| {
-            fitted[v as usize] && finer.mesh.vertices[v as usize].kind == Kind::Interior
-        });
-        let test_rows = LimitRows::new(surface, corners, &finest.mesh, |v| measured[v as usize]);
-        let addresses = base.mesh.addresses(mesh);
-        let movable = movable(&base.mesh, &around);
-        let mut open = Self {
-            level,
-            levels: [base, finer, finest],
-            steps: [first, second],
-            residuals: Vec::new(),
-            hints: vec![None; fit_rows.vertices.len()],
-            fit_rows,
-            distances: Vec::new(),
-            test_hints: vec![None; test_rows.vertices.len()],
-            test_rows,
-            influenced,
-            moves: Vec::new(),
-            active: Vec::new(),
-            movable,
-            addresses,
-            round: 0,
-            solve: None,
-        };
-        open.list_active();
-        open
-    }
-
-    /// Takes away the movable vertices that the region does not allow.
-    pub fn allow(&mut self, surface: &LoopSurface, region: &Region) {
-        let mesh = &self.levels[0].mesh;
-        let allowed = match region {
-            Region::Whole => return,
-            Region::Faces(omega) => {
-                let level = self.level;
-                let inside = |code: FaceCode| omega.binary_search(&FaceCode(code.0 >> (2 * level))).is_ok();
-                inner_vertices(mesh, &inside)
-            }
-            Region::Around { vertex, rings, from_level } => {
-                if self.level < *from_level {
-                    return;
-                }
-                let zone = zone(surface, self.level, *vertex, *rings);
-                inner_vertices(mesh, &|code| zone.binary_search(&code).is_ok())
-            }
-        };
-        self.movable.retain(|&v| allowed[v as usize]);
-        self.list_active();
-    }
-
-    /// Lets the search for each point begin at the place that stands for the nearest root vertex of
-    /// its face.
-    pub fn look_first_at(&mut self, surface: &LoopSurface, natural: &[SurfacePoint]) {
-        let Self { levels, fit_rows, hints, test_rows, test_hints, .. } = self;
-        let both = [(&levels[1].mesh, &*fit_rows, hints), (&levels[2].mesh, &*test_rows, test_hints)];
-        for (mesh, rows, hints) in both {
-            let nearest = nearest_roots(surface, mesh);
-            for (&v, hint) in rows.vertices.iter().zip(hints) {
-                *hint = natural.get(nearest[v as usize].index()).copied().or(*hint);
-            }
-        }
-    }
-
-    fn list_active(&mut self) {
-        self.moves = vec![DVec3::ZERO; self.movable.len()];
-        self.active = self.movable.iter().map(|&v| (self.level, self.addresses[v as usize])).collect();
-        self.active.sort_unstable();
-    }
-}
-
-/// For each vertex of a level the root vertex that is nearest on a root face of it.
-fn nearest_roots(surface: &LoopSurface, mesh: &LevelMesh) -> Vec<VertexId> {
-    let (mut nearest, steps) = (vec![VertexId(NONE); mesh.vertices.len()], 1_u32 << mesh.level);
-    for (code, corners) in mesh.codes.iter().zip(&mesh.corners) {
-        let root = surface.mesh.face(code.root_face(mesh.level));
-        for (&v, (i, j)) in corners.iter().zip(code.corners(mesh.level)) {
-            let weights = [steps - i - j, i, j];
-            let heaviest = (1..3).fold(0, |best, c| if weights[c] > weights[best] { c } else { best });
-            nearest[v as usize] = root[heaviest];
-        }
-    }
-    nearest
-}
-
 /// The faces of `level` among `faces` where `region` lets details stand.
 pub(super) fn within(region: &Region, surface: &LoopSurface, level: u32, mut faces: Vec<FaceCode>) -> Vec<FaceCode> {
     match region {
@@ -394,40 +241,4 @@ pub(super) fn zone(surface: &LoopSurface, level: u32, vertex: VertexId, rings: u
     });
     let first = region::ascending(corner_faces.collect());
     (1..rings).fold(first, |zone, _| region::neighbourhood(mesh, level, &zone))
-}
-
-/// The vertices of `faces` that have whole rings and are free to move: not on a plain border, and
-/// not where a given one meets it.
-fn movable(mesh: &LevelMesh, faces: &[FaceCode]) -> Vec<u32> {
-    let mut marked = vec![false; mesh.vertices.len()];
-    for face in faces.iter().filter_map(|&f| mesh.find(f)) {
-        mesh.corners[face as usize].iter().for_each(|&v| marked[v as usize] = true);
-    }
-    let free = |v: u32| match mesh.vertices[v as usize].kind {
-        Kind::Interior => true,
-        Kind::Given(g) => mesh.given[g as usize].end != SideEnd::Mixed,
-        Kind::Plain | Kind::PlainCorner => false,
-    };
-    let whole = |v: u32| mesh.vertices[v as usize].ring == RingState::Whole;
-    (0..mesh.vertices.len() as u32).filter(|&v| marked[v as usize] && whole(v) && free(v)).collect()
-}
-
-/// The vertices all of whose patches (those of two rings) are `inside`.
-fn inner_vertices(mesh: &LevelMesh, inside: &dyn Fn(FaceCode) -> bool) -> Vec<bool> {
-    let mut inner = vec![true; mesh.vertices.len()];
-    for (code, corners) in mesh.codes.iter().zip(&mesh.corners) {
-        if !inside(*code) {
-            corners.iter().for_each(|&v| inner[v as usize] = false);
-        }
-    }
-    for (v, vertex) in mesh.vertices.iter().enumerate() {
-        if vertex.ring == RingState::Cut {
-            inner[v] = false;
-        }
-    }
-    // One more ring: a vertex with a neighbour that is not inner moves a patch outside.
-    let outer: Vec<bool> = (0..mesh.vertices.len() as u32)
-        .map(|v| !inner[v as usize] || mesh.neighbours(v).any(|n| !inner[n as usize]))
-        .collect();
-    outer.into_iter().map(|o| !o).collect()
 }

@@ -17,7 +17,8 @@ use glam::DVec3;
 use selvedge_components::subdivision::{LimitRows, Rows, Step};
 
 use super::chain;
-use super::fit::{FitError, FitWork, OpenLevel, Quantum, Rule, Stage};
+use super::fit::{FitError, FitWork, Quantum, Rule, Stage};
+use super::open::OpenLevel;
 use crate::parallel::map_in_order;
 
 /// Steps of CGLS per round. With a condition of at most 11 the error after ten steps is below what

@@ -9,9 +9,11 @@
 //! influence are tested, those that had passed before too.
 
 use glam::DVec3;
+use selvedge_components::mesh::VertexId;
 use selvedge_components::subdivision::FaceCode;
 
-use super::fit::{FitError, FitWork, OpenLevel, Outcome, Quantum, Rung, Stage, within};
+use super::fit::{FitError, FitWork, Outcome, Quantum, Rung, Stage, within};
+use super::open::{OpenLevel, Opening};
 use super::region;
 use crate::parallel::map_in_order;
 
@@ -23,14 +25,21 @@ const QUANTUM: usize = 4096;
 pub const MARGIN: f64 = 0.85;
 
 impl FitWork {
-    /// Measures the next points; all of them measured, the next level is opened, or the fit is
-    /// finished.
+    /// Opens the next level, step by step, or measures the next points of the one that is open; all of
+    /// them measured, the next level is begun, or the fit is finished.
     ///
     /// # Errors
     /// When the target has no answer, or the next level would pass the budget.
     pub fn refine(&mut self) -> Result<Quantum, FitError> {
+        if let Some(opening) = &mut self.opening {
+            let Some(next) = opening.advance(&self.surface, &self.corners, &self.details) else {
+                return Ok(Quantum::More);
+            };
+            self.opening = None;
+            return self.take_level(next);
+        }
         if self.ladder.last().is_some_and(|rung| rung.level == self.open.level) {
-            return self.open_next();
+            return Ok(self.open_next());
         }
         let open = &mut self.open;
         let begin = open.distances.len();
@@ -92,14 +101,31 @@ impl FitWork {
         }
     }
 
-    fn open_next(&mut self) -> Result<Quantum, FitError> {
+    /// Begins to open the level after this one.
+    fn open_next(&mut self) -> Quantum {
         let patches = self.open.patch_errors();
         let failing: Vec<FaceCode> = patches.iter().filter(|p| p.1 > self.limit()).map(|p| p.0).collect();
         let level = self.open.level + 1;
         let faces = within(&self.options.region, &self.surface, level, region::children(&failing));
-        let mut next = OpenLevel::new(&self.surface, &self.corners, &self.details, level, faces);
+        self.opening = Some(Opening::new(level, faces));
+        Quantum::More
+    }
+
+    /// Goes on with a level that has been opened.
+    fn take_level(&mut self, mut next: OpenLevel) -> Result<Quantum, FitError> {
         next.allow(&self.surface, &self.options.region);
         next.look_first_at(&self.surface, &self.natural);
+        if self.initial.is_none() {
+            for (v, &at) in next.levels[0].state.effective.iter().enumerate() {
+                if !at.is_finite() {
+                    return Err(FitError::NotFinite { vertex: VertexId::new(v), at });
+                }
+            }
+            // The surface as it was given is measured first.
+            self.open = next;
+            return Ok(Quantum::More);
+        }
+        let (level, patches) = (next.level, self.open.patch_errors());
         if next.movable.is_empty() {
             self.unreachable = worst(patches.iter());
             let all = larger(self.unreachable, self.settled);

@@ -53,38 +53,75 @@ pub fn curve_parameter(curve: &dyn Curve, heading: Heading, t: f64) -> f64 {
     if inside >= 1.0 { 0.0 } else { inside }
 }
 
-/// Relaxes the knots of one closed strip, whose last knot is followed by the first, one later.
-pub fn relax(curve: &dyn Curve, heading: Heading, knots: &mut [Slider], options: RelaxOptions) {
-    let n = knots.len();
-    let point = |t: f64| curve.position(curve_parameter(curve, heading, t));
-    let sign = if heading == Heading::Along { 1.0 } else { -1.0 };
-    let slope = |t: f64| sign * curve.derivative(curve_parameter(curve, heading, t));
-    let gap = least_gaps(knots, options);
-    for _ in 0..options.sweeps {
-        let old: Vec<f64> = knots.iter().map(|k| k.t).collect();
+/// The knots of one strip while they are relaxed. The last knot of a closed strip is followed by the
+/// first, one later.
+#[derive(Clone, Debug)]
+pub struct Strung {
+    knots: Vec<Slider>,
+    /// By knot, the least gap to its neighbours.
+    gaps: Vec<f64>,
+    options: RelaxOptions,
+}
+
+impl Strung {
+    /// Knots to be relaxed.
+    pub fn new(knots: Vec<Slider>, options: RelaxOptions) -> Self {
+        let gaps = least_gaps(&knots, options);
+        Self { knots, gaps, options }
+    }
+
+    /// The knots as they stand.
+    pub fn knots(&self) -> &[Slider] {
+        &self.knots
+    }
+
+    /// Moves every smooth knot once, by where its neighbours stood before.
+    pub fn sweep(&mut self, curve: &dyn Curve, heading: Heading) {
+        let n = self.knots.len();
+        let old: Vec<f64> = self.knots.iter().map(|k| k.t).collect();
         for i in 0..n {
-            let Some([q, r]) = knots[i].base else { continue };
+            let Some(base) = self.knots[i].base else { continue };
             let before = old[(i + n - 1) % n] - if i == 0 { 1.0 } else { 0.0 };
             let after = old[(i + 1) % n] + if i + 1 == n { 1.0 } else { 0.0 };
-            let edge = 0.5 * (1.0 - options.middle) * (after - before);
+            let edge = 0.5 * (1.0 - self.options.middle) * (after - before);
             // The middle part, less what lies nearer to a neighbour than the least gap.
-            let edge = edge.max(gap[i].min(0.5 * (after - before)));
+            let edge = edge.max(self.gaps[i].min(0.5 * (after - before)));
             let (low, high) = (before + edge, after - edge);
             if low > high || low.is_nan() || high.is_nan() {
                 // Its neighbours have lost their order, which no list of parameters will take.
                 continue;
             }
-            let mut t = old[i];
-            for _ in 0..NEWTON {
-                let f = (0.5 * (q + r) - point(t)).dot(q - r);
-                let df = -slope(t).dot(q - r);
-                // A curve that runs across the rim edge has no isosceles place nearby.
-                let next = if df != 0.0 { t - f / df } else { t };
-                t = if next.is_finite() { next.clamp(low, high) } else { t.clamp(low, high) };
-            }
-            knots[i].t = (1.0 - options.step) * old[i] + options.step * t.clamp(low, high);
+            let t = isosceles(curve, heading, old[i], base, [low, high]);
+            self.knots[i].t = (1.0 - self.options.step) * old[i] + self.options.step * t;
         }
     }
+
+    /// How far the knots are from their isosceles places: see [`Relaxed::residual`].
+    pub fn residual(&self, curve: &dyn Curve, heading: Heading) -> f64 {
+        let off = self.knots.iter().filter_map(|k| {
+            let [q, r] = k.base?;
+            let p = curve.position(curve_parameter(curve, heading, k.t));
+            Some((0.5 * (q + r) - p).dot(q - r).abs() / (q - r).length_squared())
+        });
+        off.fold(0.0, f64::max)
+    }
+}
+
+/// Newton steps in a sweep: the next sweep goes on where this one stops.
+const NEWTON: u32 = 3;
+
+/// Steps from `t` towards the tip of an isosceles triangle over `q r`, between `low` and `high`.
+fn isosceles(curve: &dyn Curve, heading: Heading, mut t: f64, [q, r]: [DVec3; 2], [low, high]: [f64; 2]) -> f64 {
+    let sign = if heading == Heading::Along { 1.0 } else { -1.0 };
+    for _ in 0..NEWTON {
+        let u = curve_parameter(curve, heading, t);
+        let f = (0.5 * (q + r) - curve.position(u)).dot(q - r);
+        let df = -sign * curve.derivative(u).dot(q - r);
+        // A curve that runs across the rim edge has no isosceles place nearby.
+        let next = if df != 0.0 { t - f / df } else { t };
+        t = if next.is_finite() { next.clamp(low, high) } else { t.clamp(low, high) };
+    }
+    t.clamp(low, high)
 }
 
 /// By knot, the least gap to its neighbours: a part of the gap that suits the rim beside it, for all
@@ -116,19 +153,6 @@ fn least_gaps(knots: &[Slider], options: RelaxOptions) -> Vec<f64> {
         }
     }
     gaps
-}
-
-/// Newton steps in a sweep: the next sweep goes on where this one stops.
-const NEWTON: u32 = 3;
-
-/// How far the knots are from their isosceles places: see [`Relaxed::residual`].
-pub fn residual(curve: &dyn Curve, heading: Heading, knots: &[Slider]) -> f64 {
-    let off = knots.iter().filter_map(|k| {
-        let [q, r] = k.base?;
-        let p = curve.position(curve_parameter(curve, heading, k.t));
-        Some((0.5 * (q + r) - p).dot(q - r).abs() / (q - r).length_squared())
-    });
-    off.fold(0.0, f64::max)
 }
 
 /// `2 area / longest edge^2` of a triangle: 0 for a degenerate one, 0.87 for an equilateral one.

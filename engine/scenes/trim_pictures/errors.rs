@@ -87,7 +87,7 @@ fn measure(trimmed: &Trimmed, surface: &LoopSurface, level: u32) -> Result<Map, 
     // Beyond the region of influence the surface has its bits: it need not be measured.
     let mut inside = vec![false; mesh.positions.len()];
     for (corners, &face) in mesh.triangles.iter().zip(&mesh.faces) {
-        if trimmed.omega.binary_search(&FaceCode::root(face)).is_ok() {
+        if trimmed.remeshed.omega.binary_search(&FaceCode::root(face)).is_ok() {
             corners.iter().for_each(|&v| inside[v as usize] = true);
         }
     }
@@ -114,7 +114,7 @@ fn measure(trimmed: &Trimmed, surface: &LoopSurface, level: u32) -> Result<Map, 
 fn region_border(trimmed: &Trimmed, mesh: &Triangles) -> Vec<Vec<DVec3>> {
     let mut edges: Vec<([u32; 2], bool)> = Vec::new();
     for (corners, &face) in mesh.triangles.iter().zip(&mesh.faces) {
-        let inside = trimmed.omega.binary_search(&FaceCode::root(face)).is_ok();
+        let inside = trimmed.remeshed.omega.binary_search(&FaceCode::root(face)).is_ok();
         for k in 0..3 {
             let (a, b) = (corners[k], corners[(k + 1) % 3]);
             edges.push(([a.min(b), a.max(b)], inside));

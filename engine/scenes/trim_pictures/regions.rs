@@ -35,7 +35,7 @@ pub fn figure(trimmed: &Trimmed) -> Result<Canvas, TrimPictureError> {
     let limit = LimitSurface::new(Arc::clone(&trimmed.surface)).map_err(TrimSceneError::from)?;
     let all = root_faces(&limit);
     // What lies beyond is white: the region fills the page.
-    let shown = limit_faces(&limit, 0, trimmed.omega.iter().copied());
+    let shown = limit_faces(&limit, 0, trimmed.remeshed.omega.iter().copied());
     let mut cells = Vec::new();
     for rung in &trimmed.ladder {
         let level = rung.level;
@@ -48,7 +48,7 @@ pub fn figure(trimmed: &Trimmed) -> Result<Canvas, TrimPictureError> {
         let active = region::ascending(active);
         let near = region::neighbourhood(mesh, level, &active);
         let outside = (0..mesh.face_count()).map(|f| FaceCode::root(FaceId::new(f)));
-        let outside = outside.filter(|f| trimmed.omega.binary_search(f).is_err());
+        let outside = outside.filter(|f| trimmed.remeshed.omega.binary_search(f).is_err());
         let mut page = Domain::about(&all, &shown, SIZE)?;
         page.fill(&all, OMEGA);
         page.fill(&limit_faces(&limit, 0, outside), OUTSIDE);

@@ -1,5 +1,7 @@
 //! The stages of remeshing, in the domain, and the points that correspond anew.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use selvedge_components::evaluate::Evaluate;
 use selvedge_components::mesh::{FaceId, VertexId};
@@ -70,7 +72,7 @@ pub fn figure(trimmed: &Trimmed) -> Result<Canvas, TrimPictureError> {
 fn remesh_without_relaxation(trimmed: &Trimmed) -> Result<Remeshed, TrimPictureError> {
     let still = RelaxOptions { sweeps: 0, ..RelaxOptions::default() };
     let options = RemeshOptions { relax: still, ..RemeshOptions::default() };
-    Ok(remesh(&trimmed.ground.surface, &trimmed.cuts, &trimmed.images, &options)
+    Ok(remesh(Arc::clone(&trimmed.ground.surface), &trimmed.cuts, &trimmed.images, &options)
         .map_err(|why| TrimSceneError::from(TrimFault::Remesh(why)))?)
 }
 

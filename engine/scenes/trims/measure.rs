@@ -5,13 +5,13 @@ use std::collections::HashSet;
 use glam::{DVec2, DVec3};
 use selvedge_components::evaluate::{Evaluate, SurfacePoint};
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
-use selvedge_components::subdivision::{Address, Border, Ends, FaceCode, LoopSurface};
+use selvedge_components::subdivision::{Address, Border, CornerTable, Ends, FaceCode, LoopSurface};
 use selvedge_components::target::Target;
 use selvedge_components::triangles::Triangles;
 use selvedge_systems::closest::Search;
 use selvedge_systems::parallel::map_in_order;
 use selvedge_systems::subdivision::limit::LimitSurface;
-use selvedge_systems::subdivision::region;
+use selvedge_systems::subdivision::{chain, region};
 use selvedge_systems::triangulate::{Density, TriangulateOptions, triangulate};
 
 use super::TrimSceneError;
@@ -91,28 +91,48 @@ pub fn curve_samples_exact(surface: &LoopSurface, triangles: &Triangles, level: 
     inner.is_subset(&open) && open.difference(&curves).count() <= plain
 }
 
-/// Compares both limit surfaces where nothing should have changed, each triangulated by itself: are the
-/// limit points of every such face the same bits, two levels down? At the corners of the faces alone
-/// where the whole cage was refined first.
+/// Compares both surfaces where nothing should have changed: have all such faces the same limit points,
+/// bit for bit, two levels down, each surface triangulated by itself? Where the whole cage was refined
+/// first, so that none of them is a face of the given cage any more: have their corners the
+/// effective control points that subdividing the given cage makes?
 ///
 /// # Errors
 /// If one of them cannot be triangulated.
 pub fn outside_is_identical(trimmed: &Trimmed) -> Result<bool, TrimSceneError> {
     // Where the whole cage was refined first, all leaves beyond are of that level.
     let base = trimmed.untouched().next().map_or(0, |f| f.1);
-    let deep = if base == 0 { 2 } else { 0 };
-    let at = |level| TriangulateOptions { density: Density::Level(level), ..TriangulateOptions::default() };
-    let now = triangulate(&trimmed.surface, &at(deep))?.triangles;
-    let then = triangulate(&trimmed.ground.surface, &at(deep + base))?.triangles;
+    if base > 0 {
+        return Ok(outside_is_subdivided(trimmed, base));
+    }
+    const DEEP: u32 = 2;
+    let options = TriangulateOptions { density: Density::Level(DEEP), ..TriangulateOptions::default() };
+    let now = triangulate(&trimmed.surface, &options)?.triangles;
+    let then = triangulate(&trimmed.ground.surface, &options)?.triangles;
     // Triangles stand by root face, then along the path of quarters, as codes do.
-    let count = 1_usize << (2 * deep);
+    let count = 1_usize << (2 * DEEP);
     let bits = |made: &Triangles, triangle: usize| {
         made.triangles[triangle].map(|v| made.positions[v as usize].to_array().map(f64::to_bits))
     };
     let same = |face: FaceId, code: FaceCode| {
         (0..count).all(|k| bits(&now, count * face.index() + k) == bits(&then, count * code.0 as usize + k))
     };
-    Ok(trimmed.untouched().all(|(face, level, code)| level == base && same(face, code)))
+    Ok(trimmed.untouched().all(|(face, level, code)| level == 0 && same(face, code)))
+}
+
+/// Are the corners of all faces beyond the control points of a level of the given cage, bit for bit?
+fn outside_is_subdivided(trimmed: &Trimmed, level: u32) -> bool {
+    let (given, left) = (&trimmed.ground.surface, &trimmed.surface);
+    let whole = region::whole(&given.mesh, level);
+    let then = chain::build(given, &CornerTable::new(given), &given.details, level, &whole);
+    let now = chain::root(left, &CornerTable::new(left), &left.details);
+    let same = |face: FaceId, code: FaceCode| {
+        let Some(there) = then.mesh.find(code) else { return false };
+        let corners = now.mesh.corners[face.index()].into_iter().zip(then.mesh.corners[there as usize]);
+        corners
+            .into_iter()
+            .all(|(a, b)| bits(now.state.effective[a as usize]) == bits(then.state.effective[b as usize]))
+    };
+    trimmed.untouched().all(|(face, of, code)| of == level && same(face, code))
 }
 
 /// Patches that are measured, at most: some seconds.
@@ -154,7 +174,7 @@ pub fn achieved(trimmed: &Trimmed) -> Result<f64, TrimSceneError> {
 
 /// The faces that a trim may have changed.
 fn patches_at_root(trimmed: &Trimmed) -> Vec<(u32, FaceCode)> {
-    trimmed.omega.iter().map(|&code| (0, code)).collect()
+    trimmed.remeshed.omega.iter().map(|&code| (0, code)).collect()
 }
 
 /// The faces that a trim may have changed, as the patches of the finest details on them, none finer than
@@ -200,7 +220,7 @@ fn inside(level: u32, code: FaceCode, st: DVec2) -> SurfacePoint {
 pub fn changed_radius(trimmed: &Trimmed) -> Result<f64, TrimSceneError> {
     let limit = LimitSurface::new(trimmed.surface.clone())?;
     let curves: Vec<DVec3> = trimmed.images.iter().flat_map(|i| &i.points).map(|p| p.position).collect();
-    let changed: Vec<FaceId> = trimmed.omega.iter().map(|code| code.root_face(0)).collect();
+    let changed: Vec<FaceId> = trimmed.remeshed.omega.iter().map(|code| code.root_face(0)).collect();
     let far = map_in_order(changed.len(), |i| {
         let corners = [DVec2::ZERO, DVec2::X, DVec2::Y].map(|st| limit.position(SurfacePoint { face: changed[i], st }));
         let nearest = |x: DVec3| curves.iter().map(|c| c.distance_squared(x)).fold(f64::INFINITY, f64::min);

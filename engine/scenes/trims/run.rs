@@ -8,7 +8,7 @@ use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::fit::{Outcome, Quantum, Rung};
 use selvedge_components::subdivision::{Details, FaceCode, LoopSurface};
 use selvedge_components::tolerance::Tolerance;
-use selvedge_components::trim::{TrimFault, TrimOptions, TrimQuantum};
+use selvedge_components::trim::{Omega, TrimFault, TrimOptions, TrimQuantum, TrimStage};
 use selvedge_systems::subdivision::remesh::{Cut, FaceOrigin, PreImage, Remeshed};
 use selvedge_systems::subdivision::trim::{Ground, LocateWork, TrimWork};
 
@@ -33,10 +33,11 @@ impl Settings {
 
     /// Down to a level, wherever the trims may change anything.
     pub fn levels(last_level: u32) -> Self {
-        Self { tolerance: None, options: TrimOptions { last_level, ..TrimOptions::default() } }
+        let options = TrimOptions { last_level, omega: Omega::Neighbourhood, ..TrimOptions::default() };
+        Self { tolerance: None, options }
     }
 
-    /// The same, with no control point changed farther than `reach` from the curves, in metres.
+    /// The same, with nothing changed farther than `reach` from the curves, in metres.
     #[must_use]
     pub fn reaching(self, reach: f64) -> Self {
         Self { options: TrimOptions { reach: Some(reach), ..self.options }, ..self }
@@ -58,8 +59,6 @@ pub struct Trimmed {
     pub images: Vec<PreImage>,
     /// The new cage, before any fit.
     pub remeshed: Arc<Remeshed>,
-    /// Its faces whose limit patch may differ from the given surface's, ascending.
-    pub omega: Vec<FaceCode>,
     /// The error of the new cage before any detail.
     pub initial: Option<Rung>,
     /// The error after each level.
@@ -89,7 +88,7 @@ impl Trimmed {
     /// The faces of what is left beyond the region of influence, each with the face of the given surface,
     /// or of a level of it where the whole cage was refined first, that it still is.
     pub fn untouched(&self) -> impl Iterator<Item = (FaceId, u32, FaceCode)> + '_ {
-        let outside = |f: FaceId| self.omega.binary_search(&FaceCode::root(f)).is_err();
+        let outside = |f: FaceId| self.remeshed.omega.binary_search(&FaceCode::root(f)).is_err();
         self.remeshed.face_origin.iter().enumerate().filter_map(move |(f, origin)| match *origin {
             FaceOrigin::Leaf { level, code } if outside(FaceId::new(f)) => Some((FaceId::new(f), level, code)),
             _ => None,
@@ -114,7 +113,13 @@ pub fn run(scene: &Scene, settings: &Settings) -> Result<Trimmed, TrimFault> {
         located.push(Arc::clone(work.found()));
     }
     let mut work = TrimWork::on_all(Arc::clone(&ground), located);
-    while clock.time(|| work.remesh(&budgets)).map_err(|blamed| blamed.why)? == TrimQuantum::More {}
+    let mut stage = TrimStage::Remesh;
+    while stage != TrimStage::Fit {
+        let step = clock.time(|| if stage == TrimStage::Relax { work.relax(&budgets) } else { work.remesh() });
+        if let TrimQuantum::Next(next) = step.map_err(|blamed| blamed.why)? {
+            stage = next;
+        }
+    }
     let mut fit = work.take_fit().expect("remeshing has just begun a fit");
     while clock.time(|| fit.advance())? != Quantum::Finished {}
     let remeshed = Arc::clone(work.remeshed().expect("a cage that is fitted"));
@@ -125,7 +130,6 @@ pub fn run(scene: &Scene, settings: &Settings) -> Result<Trimmed, TrimFault> {
         surface: Arc::new(surface),
         cuts: work.parts().map(|(cut, _)| cut.clone()).collect(),
         images: work.parts().map(|(_, image)| image.clone()).collect(),
-        omega: remeshed.omega(),
         remeshed,
         initial: fit.initial().copied(),
         ladder: fit.ladder().to_vec(),

@@ -9,7 +9,7 @@ use glam::DVec3;
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
 use selvedge_components::subdivision::{Address, Details, FaceCode, LoopSurface, NONE};
-use selvedge_components::trim::{BorderLine, Junction};
+use selvedge_components::trim::{BorderLine, Junction, Omega};
 
 use super::super::region;
 use super::super::relax::Relaxed;
@@ -92,6 +92,9 @@ pub struct Remeshed {
     pub limit: Vec<DVec3>,
     /// The vertices whose ring is not the one they had, ascending.
     pub changed: Vec<VertexId>,
+    /// The faces whose limit patch may differ from the source's, ascending. Beyond them it has the same
+    /// bits; where the whole cage was refined for a small reach, it is the same up to rounding.
+    pub omega: Vec<FaceCode>,
     /// What became of the faces of the source: leaves that tile it, each with its fate. By root face.
     pub fates: Vec<(u32, FaceCode, Fate)>,
     /// What relaxation did, by contour: a loop of border that the curves make together, or a
@@ -108,15 +111,13 @@ pub struct Remeshed {
     pub flipped: usize,
 }
 
-impl Remeshed {
-    /// `Omega^0 = N(T^0)`, where `T^0` are the faces around changed vertices: the faces whose limit
-    /// patch may differ from the source's. Beyond them it has the same bits; where the whole cage was
-    /// refined for a small reach, it is the same up to rounding.
-    /// [Litke et al. 2001, Section 3.3]
-    pub fn omega(&self) -> Vec<FaceCode> {
-        let mesh = &self.surface.mesh;
-        let around = self.changed.iter().flat_map(|&v| mesh.ring(v)).map(|h| FaceCode::root(h.face()));
-        region::neighbourhood(mesh, 0, &region::ascending(around.collect()))
+/// The faces that may be fitted: those around changed vertices, with their neighbours or without.
+fn omega(mesh: &Connectivity, changed: &[VertexId], which: Omega) -> Vec<FaceCode> {
+    let around = changed.iter().flat_map(|&v| mesh.ring(v)).map(|h| FaceCode::root(h.face()));
+    let around = region::ascending(around.collect());
+    match which {
+        Omega::Changed => around,
+        Omega::Neighbourhood => region::neighbourhood(mesh, 0, &around),
     }
 }
 
@@ -126,7 +127,9 @@ pub(super) fn assemble(work: &Work<'_>, relaxed: Vec<Relaxed>) -> Result<Remeshe
     let names = parts.name_vertices(work);
     let vertex_count = parts.vertices.len();
     let mesh = manifold(vertex_count, &parts.triangles)?;
-    let may = parts.flippable(work, &mesh);
+    // Only among vertices that are not as they were: the clean-up takes nothing else along.
+    let mut may = vec![false; vertex_count];
+    changed(work, &parts, &mesh).into_iter().for_each(|v| may[v.index()] = true);
     // The strips come last and are not flipped: the vertices on their curves are border vertices.
     let flipped = cleanup::clean_up(mesh, &mut parts.triangles, &parts.limit, |v| may[v as usize]);
     for &f in &flipped {
@@ -152,6 +155,7 @@ pub(super) fn assemble(work: &Work<'_>, relaxed: Vec<Relaxed>) -> Result<Remeshe
         vertex_origin: parts.vertices.iter().map(|&v| origin(work, v)).collect(),
         face_origin: parts.origins,
         limit: parts.limit,
+        omega: omega(&surface.mesh, &changed, work.options.omega),
         changed,
         fates: fates(work),
         relaxed,
@@ -241,23 +245,6 @@ impl Parts {
         }
         self.limit = self.vertices.iter().map(|&v| limit(work, v)).collect();
         names
-    }
-
-    /// Vertices that the clean-up may give other edges: those of refined faces and of the rims, and
-    /// their neighbours.
-    fn flippable(&self, work: &Work<'_>, mesh: &Connectivity) -> Vec<bool> {
-        let touched = |v: usize| match self.vertices[v] {
-            Vertex::Knot(..) => true,
-            Vertex::Lattice(l) => work.adapted.vertices[l as usize].birth > work.base,
-        };
-        let mut own: Vec<bool> = (0..self.vertices.len()).map(touched).collect();
-        for (triangle, _) in
-            self.triangles.iter().zip(&self.origins).filter(|(_, o)| matches!(o, FaceOrigin::Strip { .. }))
-        {
-            triangle.iter().for_each(|&v| own[v as usize] = true);
-        }
-        let near = |v: usize| own[v] || mesh.neighbours(VertexId::new(v)).any(|n| own[n.index()]);
-        (0..own.len()).map(near).collect()
     }
 
     /// Control points. Those of kept root vertices are the source's own; finer ones have the details
@@ -437,8 +424,7 @@ fn changed(work: &Work<'_>, parts: &Parts, mesh: &Connectivity) -> Vec<VertexId>
         Address::Edge(e, _) if source.twin(source.halfedge(e)).is_none() => 3,
         Address::Edge(..) | Address::Face(..) => 6,
     };
-    let is_whole =
-        |h: HalfedgeId| matches!(parts.origins[h.face().index()], FaceOrigin::Leaf { level, .. } if level == work.base);
+    let is_whole = |h: HalfedgeId| matches!(parts.origins[h.face().index()], FaceOrigin::Leaf { level, .. } if level == work.options.adapt.base);
     let same = |v: VertexId| {
         let Vertex::Lattice(l) = parts.vertices[v.index()] else { return false };
         let then = faces_then(work.adapted.vertices[l as usize].address);

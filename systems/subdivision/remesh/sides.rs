@@ -324,9 +324,10 @@ fn source_side(
         return Ok(());
     }
     // A side that is refined as a whole is the same spline.
-    let step = 1.0 / f64::from(1_u32 << work.base);
+    let base = work.options.adapt.base;
+    let step = 1.0 / f64::from(1_u32 << base);
     let uniform = run.ends == side.ends
-        && places.iter().enumerate().all(|(i, p)| p.x == i as f64 * step && p.level == Some(work.base));
+        && places.iter().enumerate().all(|(i, p)| p.x == i as f64 * step && p.level == Some(base));
     let border = match &side.border {
         Border::Plain if uniform || is_straight(work.surface, side) => Border::Plain,
         Border::Plain => {

@@ -63,7 +63,7 @@ impl TrimAuditWork {
     ) -> Result<Self, TrimFault> {
         let limit =
             LimitSurface::new(Arc::clone(&surface)).map_err(|why| TrimFault::Unevaluated { why: why.to_string() })?;
-        let (omega, samples, seed) = (remeshed.omega(), options.samples, options.seed);
+        let (omega, samples, seed) = (remeshed.omega.clone(), options.samples, options.seed);
         let found = TrimAudit::default();
         // Without a tolerance, what is a thousandth of an edge off is looked at twice.
         let near = allowed.unwrap_or(1e-3 * ground.edge);

@@ -4,7 +4,8 @@
 //! | --- | --- | --- | --- | --- |
 //! | admit | `Trim`, `TrimOptions`, `Tolerance`, `Budgets`, `Cancelled`; `SpaceCurve`, `Snapshot` and their failures | `TrimJob`, [`TrimWork`] and the marker of the first stage; or `TrimFailed` | `Check` | the stages |
 //! | locate | [`TrimWork`] | where the curves run on the source | admit | remesh |
-//! | remesh | [`TrimWork`] | the new cage; the fit of it, a `FitWork` with its markers | locate | the fit |
+//! | remesh | [`TrimWork`] | the source's cage, cut, with strips along the curves | locate | relax |
+//! | relax | [`TrimWork`] | the new cage; the fit of it, a `FitWork` with its markers | remesh | the fit |
 //! | audit | [`TrimWork`], `FitWork` | what an independent measurement finds | the fit | advance |
 //! | advance | `TrimJob`, `FitJob` | markers; at the end the result of the source and `TrimReport`, or `TrimFailed` | the stages | - |
 //!
@@ -34,7 +35,7 @@ pub use compose::{ComposedOf, Misfit, Solved, ZoneOf, compose, compose_results};
 pub use ground::Ground;
 pub use group::{Group, groups};
 pub use locate::{LocateWork, Located};
-pub use system::{audit_trims, locate_trims, remesh_trims};
+pub use system::{audit_trims, locate_trims, relax_trims, remesh_trims};
 pub use work::{Blamed, TrimWork, fit_options};
 pub use zone::{Zone, ZoneSide, reserve};
 

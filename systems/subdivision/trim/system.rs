@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use selvedge_components::guard::caught;
-use selvedge_components::trim::{AtAudit, AtLocate, AtRemesh, TrimFault, TrimJob, TrimQuantum, TrimStage};
+use selvedge_components::trim::{AtAudit, AtLocate, AtRelax, AtRemesh, TrimFault, TrimJob, TrimQuantum, TrimStage};
 
 use super::{Blamed, LocateWork, TrimWork};
 use crate::diagnostics::{Counters, SubdivisionDiagnostics};
@@ -27,7 +27,7 @@ pub fn locate_trims(
     }
 }
 
-/// Works the curves of trims into the cages of their sources, and begins to fit the new cages.
+/// Works the curves of trims into the cages of their sources.
 pub fn remesh_trims(
     mut trims: Query<(&mut TrimJob, &mut TrimWork), With<AtRemesh>>,
     diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
@@ -36,12 +36,29 @@ pub fn remesh_trims(
     let mut trims: Vec<_> = trims.iter_mut().map(|(job, work)| (job.into_inner(), work.into_inner())).collect();
     run.counted.items = trims.len() as u64;
     for_each(trims.iter_mut().collect(), |(job, work)| {
-        let budgets = job.inputs.budgets;
-        let step = caught(|| work.remesh(&budgets));
+        let step = caught(|| work.remesh());
         set_step(job, work, TrimStage::Remesh, step);
     });
     if let Some(mut diagnostics) = diagnostics {
         diagnostics.remesh += run.finish();
+    }
+}
+
+/// Lets new vertices settle along the curves of trims, and begins to fit the new cages.
+pub fn relax_trims(
+    mut trims: Query<(&mut TrimJob, &mut TrimWork), With<AtRelax>>,
+    diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
+) {
+    let mut run = Counters::start();
+    let mut trims: Vec<_> = trims.iter_mut().map(|(job, work)| (job.into_inner(), work.into_inner())).collect();
+    run.counted.items = trims.len() as u64;
+    for_each(trims.iter_mut().collect(), |(job, work)| {
+        let budgets = job.inputs.budgets;
+        let step = caught(|| work.relax(&budgets));
+        set_step(job, work, TrimStage::Relax, step);
+    });
+    if let Some(mut diagnostics) = diagnostics {
+        diagnostics.relax += run.finish();
     }
 }
 

@@ -13,7 +13,7 @@ use selvedge_components::subdivision::{FaceCode, LoopSurface};
 use selvedge_components::target::{Guarded, Target};
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::trim::{
-    TrimAuditFault, TrimFault, TrimOptions, TrimQuantum, TrimReport, TrimStage, TrimmedCage,
+    Omega, TrimAuditFault, TrimFault, TrimOptions, TrimQuantum, TrimReport, TrimStage, TrimmedCage,
 };
 use thiserror::Error;
 
@@ -26,7 +26,9 @@ use crate::closest::Search;
 use crate::subdivision::fit::FitWork;
 use crate::subdivision::region;
 use crate::subdivision::relax::shape;
-use crate::subdivision::remesh::{self, Cut, FaceOrigin, JunctionOptions, PreImage, RemeshOptions, Remeshed};
+use crate::subdivision::remesh::{
+    Cut, FaceOrigin, JunctionOptions, PreImage, RelaxQuantum, RemeshOptions, RemeshQuantum, RemeshWork, Remeshed,
+};
 
 /// Trims in progress that are made together: all their dense state, but for that of their fit.
 ///
@@ -42,6 +44,7 @@ pub struct TrimWork {
     /// The part of the source that is worked on; `None` before that is known, and where it is all.
     zone: Option<Arc<ZoneOf>>,
     prepared: bool,
+    cutting: Option<Box<RemeshWork>>,
     options: TrimOptions,
     tolerance: Option<Tolerance>,
     remeshed: Option<Arc<Remeshed>>,
@@ -59,8 +62,19 @@ impl TrimWork {
         let options = members.iter().map(|m| m.options.clone()).reduce(|a, b| strictest_options(&a, &b));
         let tolerance = members.iter().filter_map(|m| m.tolerance).reduce(strictest_tolerance);
         let options = options.unwrap_or_default();
-        let (zone, prepared, remeshed, fit, audit) = (None, false, None, None, None);
-        Self { ground, members, options, tolerance, reserved, zone, prepared, remeshed, fit, audit }
+        Self {
+            ground,
+            members,
+            options,
+            tolerance,
+            reserved,
+            zone: None,
+            prepared: false,
+            cutting: None,
+            remeshed: None,
+            fit: None,
+            audit: None,
+        }
     }
 
     /// As [`Self::new`], with all of the source to be changed.
@@ -98,7 +112,7 @@ impl TrimWork {
     /// Has the remeshing kept to the faces that are reserved? In a zone nothing else may change.
     fn keeps_to_its_zone(&self, remeshed: &Remeshed) -> bool {
         let Some(zone) = &self.zone else { return true };
-        remeshed.omega().iter().all(|face| match remeshed.face_origin[face.root_face(0).index()] {
+        remeshed.omega.iter().all(|face| match remeshed.face_origin[face.root_face(0).index()] {
             FaceOrigin::Leaf { level, code } | FaceOrigin::Closure { level, code } => {
                 let root = zone.zone.faces[code.root_face(level).index()];
                 self.reserved.binary_search(&FaceCode::root(root)).is_ok()
@@ -128,27 +142,61 @@ impl TrimWork {
         members.flat_map(|(trim, m)| m.parts.iter().map(move |&(cut, _)| (trim, cut))).collect()
     }
 
-    /// Works the curves into the cage and begins the fit of it, which [`Self::take_fit`] hands on.
-    /// Before that, in a quantum of its own, the part of the source is taken that this can touch; if
-    /// it turns out too small, [`TrimQuantum::Widen`] says so.
+    /// Works the curves into the cage, as far as one quantum goes; [`TrimStage::Relax`] is next. The
+    /// first quantum takes the part of the source that this can touch.
     ///
     /// # Errors
-    /// As [`remesh::remesh`] and [`FitWork::new`].
-    pub fn remesh(&mut self, budgets: &Budgets) -> Result<TrimQuantum, Blamed> {
+    /// As [`RemeshWork::advance`].
+    pub fn remesh(&mut self) -> Result<TrimQuantum, Blamed> {
         if !self.prepared {
             self.prepare().map_err(|why| self.newest(why))?;
             return Ok(TrimQuantum::More);
         }
+        let mut cutting = match self.cutting.take() {
+            Some(cutting) => cutting,
+            None => Box::new(self.begin_cutting().map_err(|why| self.blame(why))?),
+        };
+        let step = cutting.advance().map_err(|why| self.blame(why))?;
+        self.cutting = Some(cutting);
+        Ok(match step {
+            RemeshQuantum::More => TrimQuantum::More,
+            RemeshQuantum::Laid => TrimQuantum::Next(TrimStage::Relax),
+        })
+    }
+
+    fn begin_cutting(&self) -> Result<RemeshWork, RemeshError> {
         let junctions = self.tolerance.map_or_else(JunctionOptions::default, |t| JunctionOptions::within(t.fit));
-        let options = RemeshOptions { reach: self.options.reach, junctions, ..RemeshOptions::default() };
-        let (cuts, images): (Vec<Cut>, Vec<PreImage>) = self.parts().map(|(c, p)| (c.clone(), p.clone())).unzip();
-        let remeshed = remesh::remesh(&self.ground.surface, &cuts, &images, &options).map_err(|why| self.blame(why))?;
+        let TrimOptions { omega, reach, .. } = self.options;
+        let options = RemeshOptions { omega, reach, junctions, ..RemeshOptions::default() };
+        let (cuts, images) = self.parts().map(|(c, p)| (c.clone(), p.clone())).unzip();
+        RemeshWork::new(Arc::clone(&self.ground.surface), cuts, images, options)
+    }
+
+    /// Lets the new vertices settle, and begins the fit of the new cage, which [`Self::take_fit`] hands
+    /// on. Where the cage is too coarse [`TrimStage::Remesh`] is next; where the part of the source turns
+    /// out too small, [`TrimQuantum::Widen`] says so.
+    ///
+    /// # Errors
+    /// As [`RemeshWork::relax`] and [`FitWork::new`].
+    pub fn relax(&mut self, budgets: &Budgets) -> Result<TrimQuantum, Blamed> {
+        let Some(mut cutting) = self.cutting.take() else { return Ok(TrimQuantum::Next(TrimStage::Remesh)) };
+        let remeshed = match cutting.relax().map_err(|why| self.blame(why))? {
+            RelaxQuantum::Finished(remeshed) => *remeshed,
+            RelaxQuantum::More => {
+                self.cutting = Some(cutting);
+                return Ok(TrimQuantum::More);
+            }
+            RelaxQuantum::Again => {
+                self.cutting = Some(cutting);
+                return Ok(TrimQuantum::Next(TrimStage::Remesh));
+            }
+        };
         if !self.keeps_to_its_zone(&remeshed) {
             return Ok(TrimQuantum::Widen);
         }
         let target: Arc<dyn Target> = Arc::new(self.ground.target(Search::AroundHint));
         let guarded = Arc::new(Guarded::new(target, *budgets));
-        let options = fit_options(&self.options, self.tolerance.as_ref(), budgets, remeshed.omega());
+        let options = fit_options(&self.options, self.tolerance.as_ref(), budgets, remeshed.omega.clone());
         let natural: Arc<[SurfacePoint]> = remeshed.natural.clone().into();
         let fit = FitWork::new(Arc::new(remeshed.surface.clone()), guarded, options);
         self.fit = Some(Box::new(fit.map_err(|why| self.newest(why.into()))?.with_natural(natural)));
@@ -264,7 +312,7 @@ impl TrimWork {
 
     fn cage(&self, remeshed: &Remeshed) -> TrimmedCage {
         let mesh = &remeshed.surface.mesh;
-        let omega = remeshed.omega();
+        let omega = &remeshed.omega;
         let changed = remeshed.changed.iter();
         let worst = |worst: f64, face: &FaceCode| {
             worst.min(shape(mesh.face(face.root_face(0)).map(|v| remeshed.limit[v.index()])))
@@ -293,7 +341,13 @@ impl TrimWork {
     /// # Errors
     /// As the stages do, [`TrimFault::NotReached`] when the fit ends above its tolerance.
     pub fn run(&mut self, budgets: &Budgets) -> Result<FitWork, Blamed> {
-        while self.remesh(budgets)? == TrimQuantum::More {}
+        let mut stage = TrimStage::Remesh;
+        while stage != TrimStage::Fit {
+            let step = if stage == TrimStage::Relax { self.relax(budgets)? } else { self.remesh()? };
+            if let TrimQuantum::Next(next) = step {
+                stage = next;
+            }
+        }
         // Remeshing has just begun a fit.
         let Some(mut fit) = self.take_fit() else { return Err(self.newest(RemeshError::NoCurves.into())) };
         match fit.run().map_err(|why| self.newest(why.into()))? {
@@ -336,7 +390,9 @@ fn strictest_tolerance(a: Tolerance, b: Tolerance) -> Tolerance {
 fn strictest_options(a: &TrimOptions, b: &TrimOptions) -> TrimOptions {
     let reach = a.reach.into_iter().chain(b.reach).reduce(f64::min);
     let (last_level, samples) = (a.last_level.max(b.last_level), a.samples.max(b.samples));
-    TrimOptions { last_level, samples, reach, ..a.clone() }
+    // What one of them may fit, all may.
+    let omega = if a.omega == b.omega { a.omega } else { Omega::Neighbourhood };
+    TrimOptions { last_level, samples, omega, reach, ..a.clone() }
 }
 
 /// How the cage that trims leave is fitted: over `omega`, and nowhere else.

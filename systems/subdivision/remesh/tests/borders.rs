@@ -39,7 +39,7 @@ fn cut_across(
     let options = TraceOptions { curve: 1e-9, step: 0.05 / 8.0 };
     let images = trace_parts(&plate.mesh, &walker, &*cut.curve, options).expect("pre-images");
     let cuts = vec![cut; images.len()];
-    let result = remesh(plate, &cuts, &images, &RemeshOptions::default());
+    let result = remesh(plate.clone(), &cuts, &images, &RemeshOptions::default());
     (cuts, result)
 }
 

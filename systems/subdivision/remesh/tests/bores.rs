@@ -23,7 +23,7 @@ fn traced(plate: &LoopSurface, walker: &Walker, cuts: &[Cut]) -> Result<Remeshed
         found.map_err(|source| RemeshError::PreImage { curve, source })
     };
     let images: Vec<PreImage> = cuts.iter().enumerate().map(image).collect::<Result<_, _>>()?;
-    remesh(plate, cuts, &images, &RemeshOptions::default())
+    remesh(plate.clone(), cuts, &images, &RemeshOptions::default())
 }
 
 /// The bore of [Litke et al. 2001, Fig. 14]: 218, 29 and 10 um there.
@@ -36,7 +36,7 @@ fn the_ladder_of_the_seeds_bore_is_met() {
     let verdict = judge(&plate, &cuts, &result);
     assert!(verdict.most_valence <= 7, "{verdict:?}");
     picture("bore.svg", &result);
-    let region = Region::Faces(result.omega());
+    let region = Region::Faces(result.omega.clone());
     let options = FitOptions { tolerance: None, last_level: 2, region, ..FitOptions::default() };
     let mut fit = FitWork::new(Arc::new(result.surface), walker, options).expect("a fit");
     fit.run().expect("a fit");

@@ -44,7 +44,7 @@ impl Stage {
             trace(&self.surface.mesh, &*self.walker, &*cut.curve, options)
                 .map_err(|source| RemeshError::PreImage { curve, source })
         });
-        remesh(&self.surface, cuts, &images.collect::<Result<Vec<_>, _>>()?, &RemeshOptions::default())
+        remesh(self.surface.clone(), cuts, &images.collect::<Result<Vec<_>, _>>()?, &RemeshOptions::default())
     }
 
     fn sound(&self, name: &str, cuts: &[Cut]) -> (Remeshed, Verdict) {

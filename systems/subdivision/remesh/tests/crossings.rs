@@ -42,7 +42,7 @@ impl Plate {
             trace(&self.surface.mesh, &*self.walker, &*cut.curve, trace_options)
                 .map_err(|source| RemeshError::PreImage { curve, source })
         });
-        remesh(&self.surface, cuts, &images.collect::<Result<Vec<_>, _>>()?, options)
+        remesh(self.surface.clone(), cuts, &images.collect::<Result<Vec<_>, _>>()?, options)
     }
 
     fn sound(&self, name: &str, cuts: &[Cut]) -> (Remeshed, Verdict) {
@@ -188,7 +188,7 @@ fn a_slot_through_the_whole_plate_leaves_two_parts() {
         }
     }
     assert_eq!(cuts.len(), 3);
-    let result = remesh(&plate, &cuts, &images, &RemeshOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    let result = remesh(plate.clone(), &cuts, &images, &RemeshOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     picture("split.svg", &result);
     judge_union(&plate, &cuts, &result);
     assert_eq!((result.surface.mesh.euler(), result.surface.mesh.border_loops().len()), (2, 2));
@@ -230,13 +230,13 @@ fn curves_that_pass_each_other_in_space_are_refused_by_their_gap() {
     let images: Vec<_> = cuts.iter().map(|c| trace(&plate.mesh, &walker, &*c.curve, options).expect("a way")).collect();
     let within =
         |tolerance| RemeshOptions { junctions: JunctionOptions::within(tolerance), ..RemeshOptions::default() };
-    match remesh(&plate, &cuts, &images, &within(1e-4)) {
+    match remesh(plate.clone(), &cuts, &images, &within(1e-4)) {
         Err(RemeshError::Gap { curves: [0, 1], gap, limit, .. }) => {
             assert!((gap - 1e-4).abs() < 1e-12 && limit == 1e-4 / 8.0);
         }
         other => panic!("{other:?}"),
     }
-    let result = remesh(&plate, &cuts, &images, &within(1e-3)).expect("a cage");
+    let result = remesh(plate.clone(), &cuts, &images, &within(1e-3)).expect("a cage");
     assert!(result.junctions.iter().all(|j| (j.gap - 1e-4).abs() < 1e-12 && j.point.z == 0.0));
 }
 

@@ -175,7 +175,7 @@ fn junctions_are_where_lines_meet(cuts: &[Cut], result: &Remeshed) {
 /// Compares limit points two levels down over faces outside Omega, to the bit (up to rounding where
 /// the whole cage was refined first); returns how many faces.
 fn limit_patches_outside_are_the_same(source: &LoopSurface, result: &Remeshed) -> usize {
-    let omega = result.omega();
+    let omega = &result.omega;
     let faces = result.face_origin.iter().enumerate().map(|(f, origin)| (FaceCode::root(FaceId::new(f)), origin));
     let outside: Vec<(FaceCode, u32, FaceCode)> = faces
         .filter(|(f, _)| omega.binary_search(f).is_err())

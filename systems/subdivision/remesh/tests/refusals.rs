@@ -25,7 +25,7 @@ fn on(walker: &Arc<Walker>, plane: impl Fn(f64) -> DVec2 + Send + Sync + 'static
 
 fn run(plate: &LoopSurface, walker: &Walker, cuts: &[Cut], options: &RemeshOptions) -> Result<Remeshed, RemeshError> {
     let images = cuts.iter().map(|c| trace(&plate.mesh, walker, &*c.curve, TRACE).expect("a pre-image"));
-    remesh(plate, cuts, &images.collect::<Vec<_>>(), options)
+    remesh(plate.clone(), cuts, &images.collect::<Vec<_>>(), options)
 }
 
 /// A closed curve that is any function.
@@ -103,7 +103,7 @@ fn an_open_curve_is_refused() {
     }
     let (plate, _) = plate();
     let cut = Cut { curve: Arc::new(Open), heading: Heading::Along };
-    let found = remesh(&plate, &[cut], &[PreImage::default()], &RemeshOptions::default());
+    let found = remesh(plate.clone(), &[cut], &[PreImage::default()], &RemeshOptions::default());
     assert!(matches!(found, Err(RemeshError::Open { curve: 0, gap }) if gap == 1.0));
 }
 

@@ -24,7 +24,7 @@ fn disc() -> LoopSurface {
     let walker = Walker::new(&plate);
     let options = TraceOptions { curve: 1e-9, step: 0.05 / 8.0 };
     let image = trace(&plate.mesh, &walker, &*rim.curve, options).expect("a pre-image");
-    remesh(&plate, &[rim], &[image], &RemeshOptions::default()).expect("a disc").surface
+    remesh(plate.clone(), &[rim], &[image], &RemeshOptions::default()).expect("a disc").surface
 }
 
 /// A circle in the plane z = 0, counter-clockwise: what stays along it is inside.
@@ -51,7 +51,7 @@ fn cut(source: &LoopSurface, curves: &[Cut], off: f64) -> (Vec<Cut>, Result<Reme
             Err(source) => return (cuts, Err(RemeshError::PreImage { curve, source })),
         }
     }
-    let result = remesh(source, &cuts, &images, &RemeshOptions::default());
+    let result = remesh(source.clone(), &cuts, &images, &RemeshOptions::default());
     (cuts, result)
 }
 

@@ -36,7 +36,7 @@ fn cut_out(plate: &LoopSurface, walker: &Walker, cuts: &[Cut]) -> Result<Remeshe
     let images = cuts.iter().enumerate().map(|(curve, cut)| {
         trace(&plate.mesh, walker, &*cut.curve, options).map_err(|source| RemeshError::PreImage { curve, source })
     });
-    remesh(plate, cuts, &images.collect::<Result<Vec<_>, _>>()?, &RemeshOptions::default())
+    remesh(plate.clone(), cuts, &images.collect::<Result<Vec<_>, _>>()?, &RemeshOptions::default())
 }
 
 fn sound(name: &str, plate: &LoopSurface, walker: &Walker, cuts: &[Cut]) -> (Remeshed, Verdict) {
@@ -187,7 +187,7 @@ fn a_curved_border_that_is_refined_keeps_its_shape() {
     let cuts = [Cut { curve: Arc::new(curve), heading: Heading::Along }];
     let options = TraceOptions { curve: 1e-6, step: 0.05 };
     let image = trace(&bowl.mesh, &*walker, &*cuts[0].curve, options).expect("a pre-image");
-    let result = remesh(&bowl, &cuts, &[image], &RemeshOptions::default()).expect("a cage");
+    let result = remesh(bowl.clone(), &cuts, &[image], &RemeshOptions::default()).expect("a cage");
     judge(&bowl, &cuts, &result);
     let side = &result.surface.sides[0];
     let Border::Given { curve, .. } = &side.border else { panic!("the border is given now") };

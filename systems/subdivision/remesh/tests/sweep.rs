@@ -77,7 +77,7 @@ impl Ground {
         });
         let images = images.collect::<Result<Vec<_>, _>>()?;
         let junctions = JunctionOptions::within(1e-6 * self.edge);
-        remesh(&self.surface, cuts, &images, &RemeshOptions { junctions, ..RemeshOptions::default() })
+        remesh(self.surface.clone(), cuts, &images, &RemeshOptions { junctions, ..RemeshOptions::default() })
     }
 }
 

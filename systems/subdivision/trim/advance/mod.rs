@@ -6,7 +6,7 @@ use selvedge_components::budget::Budget;
 use selvedge_components::error::FitFault;
 use selvedge_components::job::{FitJob, JobState};
 use selvedge_components::subdivision::fit::Stage;
-use selvedge_components::trim::{TrimFault, TrimJob, TrimQuantum, TrimStage};
+use selvedge_components::trim::{TrimFault, TrimJob, TrimQuantum, TrimStage, TrimState};
 
 pub use system::advance_trims;
 
@@ -17,6 +17,7 @@ use crate::subdivision::job::{Move, next_move};
 enum Step {
     Stay,
     Located,
+    GoTo(TrimStage),
     BeginFit,
     Fit(Stage),
     Audit,
@@ -38,7 +39,11 @@ fn next_step(job: &mut TrimJob, fit: Option<&mut FitJob>) -> Option<Step> {
             Ok(TrimQuantum::Widen) => Step::Widen,
             Ok(TrimQuantum::Next(TrimStage::Fit)) => Step::BeginFit,
             Ok(TrimQuantum::Next(TrimStage::Audit)) => Step::Audit,
-            Ok(TrimQuantum::Next(TrimStage::Locate | TrimStage::Remesh)) => Step::Located,
+            // Once its curves are located, a trim waits for the others of its source.
+            Ok(TrimQuantum::Next(TrimStage::Remesh)) if job.state == TrimState::Running(TrimStage::Locate) => {
+                Step::Located
+            }
+            Ok(TrimQuantum::Next(stage)) => Step::GoTo(stage),
         });
     }
     let fit = fit?;

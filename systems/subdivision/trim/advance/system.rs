@@ -8,7 +8,7 @@ use selvedge_components::identity::Serials;
 use selvedge_components::job::{AtCorrespond, AtModify, AtRefine, FitInputs, FitJob, JobState};
 use selvedge_components::subdivision::fit::FitOptions;
 use selvedge_components::trim::{
-    AtAudit, AtLocate, AtRemesh, Trim, TrimFailed, TrimInputs, TrimJob, TrimReport, TrimStage, TrimState,
+    AtAudit, AtLocate, AtRelax, AtRemesh, Trim, TrimFailed, TrimInputs, TrimJob, TrimReport, TrimStage, TrimState,
 };
 
 use super::{Step, next_step};
@@ -62,6 +62,15 @@ pub fn advance_trims(
             Step::Located => {
                 job.state = TrimState::Located;
                 commands.entity(entity).try_remove::<AtLocate>();
+            }
+            Step::GoTo(stage) => {
+                job.state = TrimState::Running(stage);
+                let mut trim = commands.entity(entity);
+                trim.try_remove::<(AtRemesh, AtRelax)>();
+                match stage {
+                    TrimStage::Relax => trim.try_insert(AtRelax),
+                    _ => trim.try_insert(AtRemesh),
+                };
             }
             Step::Fit(stage) => mark(&mut commands.entity(entity), stage),
             Step::BeginFit => {
@@ -140,7 +149,7 @@ fn begin_fit(trim: &mut EntityCommands, job: &mut TrimJob, fit: Option<FitWork>)
     };
     let stage = work.stage();
     let fit = FitJob::new(JobState::Running(stage), inputs);
-    trim.try_remove::<AtRemesh>().try_insert((fit, work));
+    trim.try_remove::<AtRelax>().try_insert((fit, work));
     mark(trim, stage);
 }
 

@@ -1,0 +1,274 @@
+//! Open: a level made ready to be fitted and measured, step by step
+//!
+//! A level in work holds two more, one to fit at and one to measure at, so it is the largest piece of
+//! work that a fit begins; it is made in steps of some milliseconds.
+
+use glam::DVec3;
+use selvedge_components::evaluate::SurfacePoint;
+use selvedge_components::mesh::VertexId;
+use selvedge_components::subdivision::{
+    Address, CornerTable, Details, FaceCode, Kind, LevelMesh, LimitRows, LoopSurface, NONE, RingState, SideEnd, Step,
+};
+
+use super::chain::{self, Level};
+use super::fit::{Region, zone};
+use super::modify::Solve;
+use super::region;
+
+/// The level in work.
+#[derive(Debug, Default)]
+pub(super) struct OpenLevel {
+    pub level: u32,
+    /// Levels `j`, `j + 1` and `j + 2`.
+    pub levels: [Level; 3],
+    pub steps: [Step; 2],
+    /// Limit rows at `j + 1`, what is fitted, and at `j + 2`, what is measured.
+    pub fit_rows: LimitRows,
+    pub test_rows: LimitRows,
+    /// The patches of level `j` that the movable vertices influence, ascending.
+    pub influenced: Vec<FaceCode>,
+    /// Vertices of level `j` that may move, ascending, and their addresses.
+    pub movable: Vec<u32>,
+    pub addresses: Vec<Address>,
+    pub active: Vec<(u32, Address)>,
+    /// What has been added to each movable vertex, as a move of its effective point.
+    pub moves: Vec<DVec3>,
+    /// Which time round, at this level.
+    pub round: u32,
+    /// Residuals of the fitted rows, as far as they have been found, and where they were found.
+    pub residuals: Vec<DVec3>,
+    pub hints: Vec<Option<SurfacePoint>>,
+    pub solve: Option<Solve>,
+    /// Distances of the measured rows, as far as they have been found.
+    pub distances: Vec<f64>,
+    pub test_hints: Vec<Option<SurfacePoint>>,
+}
+
+/// A level that is being opened.
+#[derive(Debug)]
+pub(super) struct Opening {
+    /// Its faces that are worked on; then what they take along, ring by ring.
+    faces: Vec<FaceCode>,
+    rings: Rings,
+    /// The vertices of level `j + 2` that are measured.
+    measured: Vec<bool>,
+    open: OpenLevel,
+    next: Part,
+}
+
+/// The faces of a level that a level in work needs, each list ascending.
+#[derive(Debug, Default)]
+struct Rings {
+    /// The faces whose vertices may move.
+    around: Vec<FaceCode>,
+    /// Two rings around the influenced ones: whole rings around every vertex of these, two levels finer.
+    rim: Vec<FaceCode>,
+    held: Vec<FaceCode>,
+}
+
+/// What is made next.
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    Rings,
+    Base,
+    Finer,
+    FinestMesh,
+    FinestStep,
+    FinestState,
+    FitRows,
+    /// From this vertex on.
+    TestRows(usize),
+    Movable,
+    Nothing,
+}
+
+/// Vertices whose rows are made in one step: some milliseconds.
+const VERTICES: usize = 1 << 15;
+
+impl Opening {
+    /// Begins to open `level` with the vertices around `faces` movable.
+    pub fn new(level: u32, faces: Vec<FaceCode>) -> Self {
+        let open = OpenLevel { level, ..OpenLevel::default() };
+        Self { faces, rings: Rings::default(), measured: Vec::new(), open, next: Part::Rings }
+    }
+
+    /// Takes the next step; the level, once it is open.
+    pub fn advance(&mut self, surface: &LoopSurface, corners: &CornerTable, details: &Details) -> Option<OpenLevel> {
+        let Self { open, rings, .. } = self;
+        let OpenLevel { level, levels: [base, finer, finest], steps, .. } = open;
+        let local = |at: &LevelMesh, faces: &[FaceCode]| faces.iter().filter_map(|&f| at.find(f)).collect::<Vec<_>>();
+        self.next = match self.next {
+            Part::Rings => {
+                (*rings, open.influenced) = Rings::around(surface, *level, &self.faces);
+                Part::Base
+            }
+            Part::Base => {
+                *base = chain::build(surface, corners, details, *level, &rings.held);
+                Part::Finer
+            }
+            Part::Finer => {
+                (*finer, steps[0]) = chain::refine(surface, corners, details, base, &local(&base.mesh, &rings.rim));
+                Part::FinestMesh
+            }
+            Part::FinestMesh => {
+                let quarters = region::neighbourhood(&surface.mesh, *level + 1, &region::children(&open.influenced));
+                finest.mesh = finer.mesh.refine(surface, &local(&finer.mesh, &quarters));
+                Part::FinestStep
+            }
+            Part::FinestStep => {
+                steps[1] = Step::new(surface, corners, &finer.mesh, &finest.mesh);
+                Part::FinestState
+            }
+            Part::FinestState => {
+                finest.state = chain::advance(surface, corners, details, &steps[1], finer, &finest.mesh);
+                Part::FitRows
+            }
+            Part::FitRows => {
+                let fitted = open.influenced_vertices(1);
+                let mesh = &open.levels[1].mesh;
+                open.fit_rows = LimitRows::new(surface, corners, mesh, |v| {
+                    fitted[v as usize] && mesh.vertices[v as usize].kind == Kind::Interior
+                });
+                self.measured = open.influenced_vertices(2);
+                Part::TestRows(0)
+            }
+            Part::TestRows(begin) => {
+                let end = self.measured.len().min(begin + VERTICES);
+                let wanted = |v: u32| self.measured[v as usize];
+                open.test_rows.extend(surface, corners, &finest.mesh, begin as u32..end as u32, wanted);
+                if end < self.measured.len() { Part::TestRows(end) } else { Part::Movable }
+            }
+            Part::Movable => {
+                open.addresses = base.mesh.addresses(&surface.mesh);
+                open.movable = movable(&base.mesh, &rings.around);
+                open.hints = vec![None; open.fit_rows.vertices.len()];
+                open.test_hints = vec![None; open.test_rows.vertices.len()];
+                open.list_active();
+                Part::Nothing
+            }
+            Part::Nothing => return None,
+        };
+        matches!(self.next, Part::Nothing).then(|| core::mem::take(&mut self.open))
+    }
+}
+
+impl Rings {
+    /// The rings, and the patches that the movable vertices influence.
+    fn around(surface: &LoopSurface, level: u32, faces: &[FaceCode]) -> (Self, Vec<FaceCode>) {
+        let grow = |faces: &[FaceCode]| region::neighbourhood(&surface.mesh, level, faces);
+        // A vertex of N(faces) moves the patches of its two rings.
+        let around = grow(faces);
+        let influenced = grow(&grow(&around));
+        let rim = grow(&influenced);
+        let mut held = grow(&rim);
+        if level > 0 {
+            held = region::children(&region::parents(&held));
+        }
+        (Self { around, rim, held }, influenced)
+    }
+}
+
+impl OpenLevel {
+    /// The vertices of the level `finer` levels on that lie in an influenced patch.
+    fn influenced_vertices(&self, finer: usize) -> Vec<bool> {
+        let mesh = &self.levels[finer].mesh;
+        let mut inside = vec![false; mesh.vertices.len()];
+        for (code, corners) in mesh.codes.iter().zip(&mesh.corners) {
+            if self.influenced.binary_search(&FaceCode(code.0 >> (2 * finer))).is_ok() {
+                corners.iter().for_each(|&v| inside[v as usize] = true);
+            }
+        }
+        inside
+    }
+
+    /// Takes away the movable vertices that the region does not allow.
+    pub fn allow(&mut self, surface: &LoopSurface, region: &Region) {
+        let mesh = &self.levels[0].mesh;
+        let allowed = match region {
+            Region::Whole => return,
+            Region::Faces(omega) => {
+                let level = self.level;
+                let inside = |code: FaceCode| omega.binary_search(&FaceCode(code.0 >> (2 * level))).is_ok();
+                inner_vertices(mesh, &inside)
+            }
+            Region::Around { vertex, rings, from_level } => {
+                if self.level < *from_level {
+                    return;
+                }
+                let zone = zone(surface, self.level, *vertex, *rings);
+                inner_vertices(mesh, &|code| zone.binary_search(&code).is_ok())
+            }
+        };
+        self.movable.retain(|&v| allowed[v as usize]);
+        self.list_active();
+    }
+
+    /// Lets the search for each point begin at the place that stands for the nearest root vertex of
+    /// its face.
+    pub fn look_first_at(&mut self, surface: &LoopSurface, natural: &[SurfacePoint]) {
+        let Self { levels, fit_rows, hints, test_rows, test_hints, .. } = self;
+        let both = [(&levels[1].mesh, &*fit_rows, hints), (&levels[2].mesh, &*test_rows, test_hints)];
+        for (mesh, rows, hints) in both {
+            let nearest = nearest_roots(surface, mesh);
+            for (&v, hint) in rows.vertices.iter().zip(hints) {
+                *hint = natural.get(nearest[v as usize].index()).copied().or(*hint);
+            }
+        }
+    }
+
+    fn list_active(&mut self) {
+        self.moves = vec![DVec3::ZERO; self.movable.len()];
+        self.active = self.movable.iter().map(|&v| (self.level, self.addresses[v as usize])).collect();
+        self.active.sort_unstable();
+    }
+}
+
+/// For each vertex of a level the root vertex that is nearest on a root face of it.
+fn nearest_roots(surface: &LoopSurface, mesh: &LevelMesh) -> Vec<VertexId> {
+    let (mut nearest, steps) = (vec![VertexId(NONE); mesh.vertices.len()], 1_u32 << mesh.level);
+    for (code, corners) in mesh.codes.iter().zip(&mesh.corners) {
+        let root = surface.mesh.face(code.root_face(mesh.level));
+        for (&v, (i, j)) in corners.iter().zip(code.corners(mesh.level)) {
+            let weights = [steps - i - j, i, j];
+            let heaviest = (1..3).fold(0, |best, c| if weights[c] > weights[best] { c } else { best });
+            nearest[v as usize] = root[heaviest];
+        }
+    }
+    nearest
+}
+
+/// The vertices of `faces` that have whole rings and are free to move: not on a plain border, and
+/// not where a given one meets it.
+fn movable(mesh: &LevelMesh, faces: &[FaceCode]) -> Vec<u32> {
+    let mut marked = vec![false; mesh.vertices.len()];
+    for face in faces.iter().filter_map(|&f| mesh.find(f)) {
+        mesh.corners[face as usize].iter().for_each(|&v| marked[v as usize] = true);
+    }
+    let free = |v: u32| match mesh.vertices[v as usize].kind {
+        Kind::Interior => true,
+        Kind::Given(g) => mesh.given[g as usize].end != SideEnd::Mixed,
+        Kind::Plain | Kind::PlainCorner => false,
+    };
+    let whole = |v: u32| mesh.vertices[v as usize].ring == RingState::Whole;
+    (0..mesh.vertices.len() as u32).filter(|&v| marked[v as usize] && whole(v) && free(v)).collect()
+}
+
+/// The vertices all of whose patches (those of two rings) are `inside`.
+fn inner_vertices(mesh: &LevelMesh, inside: &dyn Fn(FaceCode) -> bool) -> Vec<bool> {
+    let mut inner = vec![true; mesh.vertices.len()];
+    for (code, corners) in mesh.codes.iter().zip(&mesh.corners) {
+        if !inside(*code) {
+            corners.iter().for_each(|&v| inner[v as usize] = false);
+        }
+    }
+    for (v, vertex) in mesh.vertices.iter().enumerate() {
+        if vertex.ring == RingState::Cut {
+            inner[v] = false;
+        }
+    }
+    // One more ring: a vertex with a neighbour that is not inner moves a patch outside.
+    let outer: Vec<bool> = (0..mesh.vertices.len() as u32)
+        .map(|v| !inner[v as usize] || mesh.neighbours(v).any(|n| !inner[n as usize]))
+        .collect();
+    outer.into_iter().map(|o| !o).collect()
+}

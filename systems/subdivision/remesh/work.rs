@@ -1,0 +1,378 @@
+//! A remeshing as work quanta: one try lays strips, relaxes them, and makes a surface of it all; a try
+//! that finds the cage too coarse somewhere asks for a finer one there, and for another try.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use selvedge_components::curve::Curve;
+use selvedge_components::subdivision::{CornerTable, LoopSurface, NONE};
+
+use super::super::relax::{self, Relaxed, Slider, Strung};
+use super::adapt::{self, AdaptOptions};
+use super::assemble::{Remeshed, assemble};
+use super::attach::{self, KnotKind, Strip};
+use super::closure::{self, Adapted};
+use super::contour::{self, Arrangement, Contour};
+use super::error::RemeshError;
+use super::leaves::Leaves;
+use super::preimage::{Extent, PreImage};
+use super::remove::{Cage, Place, Remains, Trouble};
+use super::track::Track;
+use super::{Cut, RemeshOptions, Work, crossed, manifold, sides};
+use crate::parallel::for_each;
+
+/// A remeshing in progress: all its dense state.
+#[derive(Debug)]
+pub struct RemeshWork {
+    surface: Arc<LoopSurface>,
+    corners: CornerTable,
+    cuts: Vec<Cut>,
+    preimages: Vec<PreImage>,
+    options: RemeshOptions,
+    /// How the curves meet, once that is known.
+    plan: Option<Box<Arrangement>>,
+    /// The least level that tries have asked for, by segment of the track.
+    least: Vec<u32>,
+    /// The tries that were too coarse.
+    tried: u32,
+    state: State,
+}
+
+/// Where a try stands.
+#[derive(Debug)]
+enum State {
+    /// The cage is to be adapted.
+    Coarse,
+    /// It is to be cut, and strips laid.
+    Adapted(Box<Leaves>),
+    /// The strips are to be relaxed, and all of it put together.
+    Laid(Box<Laid>),
+}
+
+/// A cage with strips along the curves.
+#[derive(Debug)]
+struct Laid {
+    leaves: Leaves,
+    adapted: Adapted,
+    /// The source's limit points at its vertices.
+    limit: Vec<DVec3>,
+    remains: Remains,
+    strips: Vec<Strip>,
+    strung: Vec<Strung>,
+    /// What relaxation does, by strip.
+    relaxed: Vec<Relaxed>,
+}
+
+/// What a quantum of laying led to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RemeshQuantum {
+    /// There is more to do.
+    More,
+    /// The strips are laid; they are to be relaxed.
+    Laid,
+}
+
+/// What a quantum of relaxing led to.
+#[derive(Debug)]
+pub enum RelaxQuantum {
+    /// There is more to do.
+    More,
+    /// The cage is too coarse: strips are to be laid on a finer one.
+    Again,
+    /// All is done.
+    Finished(Box<Remeshed>),
+}
+
+/// Knots moved in a quantum, about: each costs a handful of evaluations of its curve.
+const KNOTS: usize = 512;
+
+impl RemeshWork {
+    /// Begins to cut `surface` along curves, whose pre-images on it are given in the order of the
+    /// curves.
+    ///
+    /// # Errors
+    /// When there is no curve, or a curve is open.
+    pub fn new(
+        surface: Arc<LoopSurface>,
+        cuts: Vec<Cut>,
+        preimages: Vec<PreImage>,
+        options: RemeshOptions,
+    ) -> Result<Self, RemeshError> {
+        check(&cuts, &preimages)?;
+        let corners = CornerTable::new(&surface);
+        let (plan, least, state) = (None, Vec::new(), State::Coarse);
+        Ok(Self { surface, corners, cuts, preimages, options, plan, least, tried: 0, state })
+    }
+
+    /// Takes the next step towards strips along the curves.
+    ///
+    /// # Errors
+    /// When the curves do not separate what stays from what goes, nothing stays, or boundaries come too
+    /// near to each other.
+    pub fn advance(&mut self) -> Result<RemeshQuantum, RemeshError> {
+        let Some(plan) = &self.plan else {
+            let junctions = &self.options.junctions;
+            let plan = contour::arrange(&self.surface, &self.cuts, &self.preimages, junctions)?;
+            self.least = vec![0; plan.track.points.len()];
+            self.plan = Some(Box::new(plan));
+            return Ok(RemeshQuantum::More);
+        };
+        match core::mem::replace(&mut self.state, State::Coarse) {
+            State::Coarse => {
+                let options = &self.options.adapt;
+                let leaves = adapt::adapt(&self.surface, &self.corners, &plan.track, options, &self.least)?;
+                self.state = State::Adapted(Box::new(leaves));
+                Ok(RemeshQuantum::More)
+            }
+            State::Adapted(leaves) => {
+                let finest = leaves.finest();
+                match lay(&self.surface, &self.corners, plan, *leaves, &self.options) {
+                    Ok(laid) => self.state = State::Laid(Box::new(laid)),
+                    Err(trouble) => {
+                        self.make_finer(trouble, finest)?;
+                        return Ok(RemeshQuantum::More);
+                    }
+                }
+                Ok(RemeshQuantum::Laid)
+            }
+            laid @ State::Laid(_) => {
+                self.state = laid;
+                Ok(RemeshQuantum::Laid)
+            }
+        }
+    }
+
+    /// Takes the next step from strips that are laid to a surface.
+    ///
+    /// # Errors
+    /// As [`Self::advance`], and where more would change than the reach allows.
+    pub fn relax(&mut self) -> Result<RelaxQuantum, RemeshError> {
+        let (State::Laid(laid), Some(plan)) = (&mut self.state, &self.plan) else { return Ok(RelaxQuantum::Again) };
+        if laid.relaxed.iter().any(|relaxed| relaxed.sweeps < self.options.relax.sweeps) {
+            laid.sweep(plan, &self.options);
+            return Ok(RelaxQuantum::More);
+        }
+        let finest = laid.leaves.finest();
+        let remeshed = match laid.finish(&self.surface, &self.cuts, plan, &self.options) {
+            Ok(remeshed) => remeshed,
+            Err(trouble) => {
+                self.make_finer(trouble, finest)?;
+                return Ok(RelaxQuantum::Again);
+            }
+        };
+        let (distance, at) = self.options.reach.map_or((0.0, DVec3::ZERO), |_| remeshed.reach(&plan.track));
+        match self.options.reach {
+            Some(reach) if distance > reach => {
+                refine_all(&self.surface, &mut self.options.adapt).ok_or(RemeshError::OutOfReach {
+                    distance,
+                    at,
+                    reach,
+                })?;
+                (self.tried, self.state) = (0, State::Coarse);
+                self.least.fill(0);
+                Ok(RelaxQuantum::Again)
+            }
+            _ => Ok(RelaxQuantum::Finished(Box::new(remeshed))),
+        }
+    }
+
+    /// Asks for a finer cage where one has been too coarse, whose finest level is given.
+    fn make_finer(&mut self, trouble: Trouble, finest: u32) -> Result<(), RemeshError> {
+        self.state = State::Coarse;
+        let (what, places) = match trouble {
+            Trouble::Error(why) => return Err(why),
+            Trouble::TooCoarse { what, places } => (what, places),
+        };
+        let Some(plan) = &self.plan else { return Ok(()) };
+        let track = &plan.track;
+        if let Some(first) = places.first().filter(|_| self.tried == self.options.tries) {
+            let point = &track.points[first.near.segment as usize];
+            let u = plan.contours[point.cut as usize].spot(&self.cuts, track.parameter(first.near)).u;
+            let (curve, at) = (point.curve as usize, track.position(first.near));
+            return Err(RemeshError::Unresolved { what, curve, u, at, tries: self.tried, level: finest });
+        }
+        self.tried += 1;
+        places.iter().for_each(|place| ask_for_finer(track, place, &mut self.least));
+        Ok(())
+    }
+}
+
+fn check(cuts: &[Cut], preimages: &[PreImage]) -> Result<(), RemeshError> {
+    if cuts.is_empty() || preimages.len() != cuts.len() {
+        return Err(RemeshError::NoCurves);
+    }
+    for (curve, (cut, image)) in cuts.iter().zip(preimages).enumerate() {
+        if !cut.curve.closed() && image.extent == Extent::Round {
+            let gap = cut.curve.position(0.0).distance(cut.curve.position(1.0));
+            return Err(RemeshError::Open { curve, gap });
+        }
+    }
+    Ok(())
+}
+
+/// Brings the whole cage a level further; `None` if it may not become finer.
+///
+/// Each level of the whole cage halves the reach. Details finer than its level would have no place on
+/// the new cage, so it is at least as fine as they are.
+fn refine_all(surface: &LoopSurface, options: &mut AdaptOptions) -> Option<()> {
+    options.base = (options.base + 1).max(surface.details.depth().saturating_sub(1));
+    let faces = (surface.mesh.face_count() as u64).checked_shl(2 * options.base)?;
+    (options.base <= options.finest && faces <= options.most_faces as u64).then_some(())
+}
+
+/// How far along the curve to either side of a place that is too coarse the cage is refined, in sizes
+/// of its triangles there: as far as the triangles around its neighbours reach.
+const ASIDE: f64 = 3.0;
+
+/// Asks for one level more along the curve near `place`.
+fn ask_for_finer(track: &Track, place: &Place, least: &mut [u32]) {
+    let cut = track.points[place.near.segment as usize].cut;
+    let whole = track.tracks[cut as usize];
+    let wanted = place.level + 1;
+    let mut raise = |segment: u32| least[segment as usize] = least[segment as usize].max(wanted);
+    let from = track.along(place.near);
+    for (sign, reach) in [(1.0, ASIDE * place.size), (-1.0, ASIDE * place.size)] {
+        let mut at = place.near.segment;
+        for _ in 0..whole.count {
+            raise(at);
+            let far = (track.points[at as usize].along - from) * sign;
+            let far = if whole.closed { far - (far / whole.length).floor() * whole.length } else { far };
+            let next = if sign > 0.0 { track.points[at as usize].next } else { track.points[at as usize].previous };
+            let is_segment = next != NONE && track.points[next as usize].next != NONE;
+            if !is_segment || (far > reach && at != place.near.segment) {
+                break;
+            }
+            at = next;
+        }
+    }
+}
+
+/// Cuts an adapted cage, and lays a strip along each contour.
+fn lay(
+    surface: &LoopSurface,
+    corners: &CornerTable,
+    plan: &Arrangement,
+    leaves: Leaves,
+    options: &RemeshOptions,
+) -> Result<Laid, Trouble> {
+    let track = &plan.track;
+    let adapted = closure::close(surface, corners, &leaves).map_err(Trouble::Error)?;
+    let mesh = manifold(adapted.vertices.len(), &adapted.triangles)?;
+    let levels: Vec<u32> = adapted.sources.iter().map(|s| s.level).collect();
+    let limit: Vec<DVec3> = adapted.vertices.iter().map(|v| v.limit).collect();
+    let cage = Cage {
+        mesh: &mesh,
+        triangles: &adapted.triangles,
+        levels: &levels,
+        limit: &limit,
+        track,
+        margin: options.margin,
+    };
+    let stays = |f: usize| plan.winding.stays(adapted.sources[f].middle());
+    let remains = cage.cut(&crossed(&adapted, track, &leaves), &stays)?;
+    let mut strips = Vec::with_capacity(plan.contours.len());
+    for (cut, rim) in remains.loops.iter().enumerate() {
+        let strip = attach::attach(track, cut as u32, rim, |v| (limit[v as usize], cage.normal(v)));
+        strips.push(strip.map_err(|near| {
+            let away = |v: &&u32| limit[**v as usize].distance_squared(track.position(near));
+            let nearest = rim.vertices.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+            let place = cage.place(nearest.copied().unwrap_or(0), near);
+            Trouble::TooCoarse { what: "too coarse between two corners", places: vec![place] }
+        })?);
+    }
+    let strung = strips.iter().map(|strip| string(strip, &limit, options)).collect();
+    let relaxed = vec![Relaxed::default(); strips.len()];
+    let mut laid = Laid { leaves, adapted, limit, remains, strips, strung, relaxed };
+    laid.judge(plan, 0);
+    Ok(laid)
+}
+
+/// A strip's knots, ready to be relaxed.
+fn string(strip: &Strip, limit: &[DVec3], options: &RemeshOptions) -> Strung {
+    let at = |v: u32| limit[v as usize];
+    let slider = |(knot, width): (&attach::Knot, f64)| {
+        let smooth = knot.kind == KnotKind::Smooth;
+        Slider { t: knot.t, base: smooth.then(|| strip.base(knot).map(at)), width }
+    };
+    Strung::new(strip.knots.iter().zip(strip.widths(at)).map(slider).collect(), options.relax)
+}
+
+impl Laid {
+    /// Some sweeps over all strips: one at least.
+    fn sweep(&mut self, plan: &Arrangement, options: &RemeshOptions) {
+        let knots: usize = self.strips.iter().map(|strip| strip.knots.len()).sum();
+        let done = self.relaxed.first().map_or(0, |relaxed| relaxed.sweeps);
+        let sweeps = (KNOTS / knots.max(1)).clamp(1, (options.relax.sweeps - done) as usize) as u32;
+        for_each(self.strung.iter_mut().zip(&plan.contours).collect(), |(strung, contour)| {
+            (0..sweeps).for_each(|_| strung.sweep(&*contour.curve, contour.heading));
+        });
+        self.relaxed.iter_mut().for_each(|relaxed| relaxed.sweeps = done + sweeps);
+    }
+
+    /// Notes how well the knots stand, before (0) or after (1) they are relaxed.
+    fn judge(&mut self, plan: &Arrangement, when: usize) {
+        for (s, contour) in plan.contours.iter().enumerate() {
+            let (residual, worst) = (self.strung[s].residual(&*contour.curve, contour.heading), self.worst(s, contour));
+            self.relaxed[s].residual[when] = residual;
+            self.relaxed[s].worst_shape[when] = worst;
+        }
+    }
+
+    /// The worst shape of a triangle of a strip.
+    fn worst(&self, s: usize, Contour { curve, heading, .. }: &Contour) -> f64 {
+        let position = |k: &Slider| curve.position(relax::curve_parameter(&**curve, *heading, k.t));
+        let knots: Vec<DVec3> = self.strung[s].knots().iter().map(position).collect();
+        let begin = self.limit.len() as u32;
+        let at = |v: u32| if v < begin { self.limit[v as usize] } else { knots[(v - begin) as usize] };
+        let triangles = self.strips[s].triangles(|i| begin + i as u32);
+        triangles.iter().map(|t| relax::shape(t.map(at))).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Makes a surface of what is left and the strips, as they have settled.
+    fn finish(
+        &mut self,
+        surface: &LoopSurface,
+        cuts: &[Cut],
+        plan: &Arrangement,
+        options: &RemeshOptions,
+    ) -> Result<Remeshed, Trouble> {
+        self.judge(plan, 1);
+        for (strip, strung) in self.strips.iter_mut().zip(&self.strung) {
+            strip.knots.iter_mut().zip(strung.knots()).for_each(|(knot, slider)| knot.t = slider.t);
+        }
+        let mut work = Work {
+            options,
+            surface,
+            cuts,
+            plan,
+            leaves: &self.leaves,
+            adapted: &self.adapted,
+            remains: &self.remains,
+            strips: &self.strips,
+            parameters: Vec::new(),
+        };
+        work.parameters =
+            (0..self.strips.len() as u32).map(|s| sides::strip_parameters(&work, s)).collect::<Result<_, _>>()?;
+        assemble(&work, self.relaxed.clone())
+    }
+}
+
+impl Remeshed {
+    /// How far from the curves the faces of `Omega` reach, and where.
+    fn reach(&self, track: &Track) -> (f64, DVec3) {
+        let mesh = &self.surface.mesh;
+        let mut corners: Vec<_> = self.omega.iter().flat_map(|face| mesh.face(face.root_face(0))).collect();
+        corners.sort_unstable();
+        corners.dedup();
+        let mut farthest = (0.0, DVec3::ZERO);
+        for v in corners {
+            let x = self.limit[v.index()];
+            let distances = track.points.iter().map(|p| p.position.distance_squared(x));
+            let distance = distances.fold(f64::INFINITY, f64::min).sqrt();
+            if distance > farthest.0 {
+                farthest = (distance, x);
+            }
+        }
+        farthest
+    }
+}
