@@ -3,12 +3,18 @@
 //!
 //! ```text
 //! peer_trim PLATE.bsp BORES.txt CAGE EPS [trim]
+//! peer_trim scaling EPS
+//! peer_trim threads EPS
 //! ```
 //!
 //! The plate is refitted as a cage of `CAGE` by `CAGE` squares, which is not timed; then it is spawned,
 //! bored, triangulated and audited in an engine, to `EPS` in all. `-` for a file is a plate of the same
 //! waves, or one bore in its middle. `cpu` lines are processor seconds of
 //! all threads together. With `trim` nothing is triangulated.
+//!
+//! `scaling` prints what a bore costs among 1, 8 and 64, on plates of 1e3, 1e4 and 1e5 triangles of one
+//! size: what is near a bore is the same on all. `threads` prints how much sooner 64 bores are done on two
+//! threads than on one.
 
 #[macro_use]
 #[path = "../engine/cli/say.rs"]
@@ -17,10 +23,18 @@ mod say;
 #[cfg(unix)]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args: Vec<String> = std::env::args().collect();
+    if let [_, table, eps] = args.as_slice() {
+        let eps = eps.parse()?;
+        match table.as_str() {
+            "scaling" => return peer::scaling(eps),
+            "threads" => return peer::threads(eps),
+            _ => return Err("peer_trim scaling|threads EPS".into()),
+        }
+    }
     let [_, plate, bores, cage, eps, rest @ ..] = args.as_slice() else {
         return Err("peer_trim PLATE.bsp BORES.txt CAGE EPS [trim]".into());
     };
-    let (plate, bores) = (peer::Plate::read(plate)?, peer::read_bores(bores)?);
+    let (plate, bores) = (wavy::Plate::read(plate)?, peer::read_bores(bores)?);
     let surface = plate.refit(cage.parse()?)?;
     let triangles = if rest.is_empty() { peer::Output::Triangles } else { peer::Output::Surface };
     peer::bore(&surface, &bores, eps.parse()?, triangles)
@@ -32,137 +46,31 @@ fn main() {
 }
 
 #[cfg(unix)]
+#[path = "../benches/support/wavy.rs"]
+mod wavy;
+
+#[cfg(unix)]
 mod peer {
     use std::error::Error;
-    use std::f64::consts::TAU;
-    use std::sync::Arc;
     use std::time::{Duration, Instant};
 
-    use glam::DVec3;
     use nix::time::{ClockId, clock_gettime};
-    use selvedge::curve::{Circle, Curve, Heading};
+    use selvedge::curve::Heading;
     use selvedge::diagnostics::{GroundDiagnostics, SubdivisionDiagnostics};
-    use selvedge::mesh::{Connectivity, VertexId};
-    use selvedge::subdivision::{CornerTable, LoopSurface, Scheme, limit_frame};
+    use selvedge::subdivision::LoopSurface;
     use selvedge::tolerance::Tolerance;
     use selvedge::triangles::Triangles;
     use selvedge::triangulation::{TriangulateOptions, TriangulationReport};
     use selvedge::trim::{TrimFailed, TrimOptions, TrimReport};
     use selvedge::{Engine, Pass};
-    use selvedge_systems::closest::SurfaceIndex;
-    use selvedge_systems::projected_curve::{Pick, ProjectedCurve};
-    use selvedge_systems::subdivision::chain;
-    use selvedge_systems::subdivision::limit::LimitSurface;
 
-    type Bore = [f64; 3];
+    use super::wavy::{self, Bore, SIZE};
 
     /// What is asked for.
     #[derive(Clone, Copy, PartialEq, Eq)]
     pub enum Output {
         Surface,
         Triangles,
-    }
-
-    /// A bicubic height field over a square of 0.4 m.
-    pub struct Plate {
-        knots: [Vec<f64>; 2],
-        counts: [usize; 2],
-        heights: Vec<f64>,
-    }
-
-    const SIZE: f64 = 0.4;
-
-    impl Plate {
-        /// The waves at the abscissae of a net of 20 by 20.
-        fn waves() -> Self {
-            const N: usize = 20;
-            let knots: Vec<f64> = (0..N + 4).map(|k| (k.clamp(3, N) - 3) as f64 / (N - 3) as f64).collect();
-            let at = |i: usize| (knots[i + 1] + knots[i + 2] + knots[i + 3]) / 3.0;
-            let turns = |x: f64| (TAU * x).sin_cos();
-            let wave =
-                |x: f64, y: f64| 0.010 * turns(2.0 * x).0 * turns(1.5 * y).1 + 0.002 * turns(4.3 * x + 2.1 * y).0;
-            let heights = (0..N * N).map(|k| wave(at(k / N), at(k % N))).collect();
-            Self { heights, counts: [N, N], knots: [knots.clone(), knots] }
-        }
-
-        pub fn read(path: &str) -> Result<Self, Box<dyn Error>> {
-            if path == "-" {
-                return Ok(Self::waves());
-            }
-            let text = std::fs::read_to_string(path)?;
-            let mut numbers = text.split_ascii_whitespace().map(str::parse::<f64>);
-            let mut next = || numbers.next().ok_or("the plate's file is too short")?.map_err(Box::<dyn Error>::from);
-            let [p, q, n, m] = [next()? as usize, next()? as usize, next()? as usize, next()? as usize];
-            if (p, q) != (3, 3) {
-                return Err("the plate is not bicubic".into());
-            }
-            let mut knots = [Vec::new(), Vec::new()];
-            for (list, count) in knots.iter_mut().zip([n + 4, m + 4]) {
-                for _ in 0..count {
-                    list.push(next()?);
-                }
-            }
-            let mut heights = Vec::new();
-            for _ in 0..n * m {
-                // Its place in the plane, which is known.
-                next()?;
-                next()?;
-                heights.push(next()?);
-            }
-            Ok(Self { knots, counts: [n, m], heights })
-        }
-
-        fn height(&self, x: f64, y: f64) -> f64 {
-            let [(i, a), (j, b)] = [(0, x), (1, y)].map(|(k, at)| basis(&self.knots[k], self.counts[k], at / SIZE));
-            let row = |k: usize| (0..4).map(|l| b[l] * self.heights[(i + k) * self.counts[1] + j + l]).sum::<f64>();
-            (0..4).map(|k| a[k] * row(k)).sum()
-        }
-
-        /// A cage of `n` by `n` squares whose limit surface meets the plate at its vertices.
-        pub fn refit(&self, n: u32) -> Result<LoopSurface, Box<dyn Error>> {
-            let at = |i: u32| SIZE * f64::from(i) / f64::from(n);
-            let name = |i: u32, j: u32| i * (n + 1) + j;
-            let squares = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-            let faces: Vec<[u32; 3]> = squares
-                .flat_map(|(i, j)| {
-                    let [a, b, c, d] = [name(i, j), name(i + 1, j), name(i + 1, j + 1), name(i, j + 1)];
-                    [[a, b, c], [a, c, d]]
-                })
-                .collect();
-            let places = (0..=n).flat_map(|i| (0..=n).map(move |j| (at(i), at(j))));
-            let points: Vec<DVec3> = places.map(|(x, y)| DVec3::new(x, y, self.height(x, y))).collect();
-            let mesh = Arc::new(Connectivity::new(points.len(), &faces).map_err(|f| format!("{f:?}"))?);
-            let corners: Vec<VertexId> = [name(0, 0), name(n, 0), name(n, n), name(0, n)].map(VertexId).to_vec();
-            let mut surface = LoopSurface::plain(mesh, points, &corners);
-            for _ in 0..40 {
-                let table = CornerTable::new(&surface);
-                let root = chain::root(&surface, &table, &surface.details);
-                let scheme = Scheme { surface: &surface, corners: &table };
-                let limit = |v: usize| limit_frame(scheme, &root.mesh, &root.state, v as u32).map(|f| f.position);
-                let off = |x: DVec3| self.height(x.x, x.y) - x.z;
-                let moves: Vec<f64> = (0..surface.points.len()).map(|v| limit(v).map_or(0.0, off)).collect();
-                surface.points.iter_mut().zip(moves).for_each(|(p, by)| p.z += by);
-            }
-            Ok(surface)
-        }
-    }
-
-    /// The first of the four cubic B-splines that are not zero at `t`, and their values. [de Boor 1972]
-    fn basis(knots: &[f64], count: usize, t: f64) -> (usize, [f64; 4]) {
-        let t = t.clamp(0.0, 1.0);
-        let span = knots.partition_point(|&k| k <= t).clamp(4, count) - 1;
-        let mut values = [1.0, 0.0, 0.0, 0.0];
-        for degree in 1..4 {
-            let mut saved = 0.0;
-            for r in 0..degree {
-                let (right, left) = (knots[span + r + 1] - t, t - knots[span + 1 + r - degree]);
-                let part = values[r] / (right + left);
-                values[r] = saved + right * part;
-                saved = left * part;
-            }
-            values[degree] = saved;
-        }
-        (span - 3, values)
     }
 
     pub fn read_bores(path: &str) -> Result<Vec<Bore>, Box<dyn Error>> {
@@ -177,24 +85,68 @@ mod peer {
         text.lines().map(bore).collect()
     }
 
-    fn circle(index: &Arc<SurfaceIndex<LimitSurface>>, [x, y, radius]: Bore) -> Result<Arc<dyn Curve>, Box<dyn Error>> {
-        let above = Circle::new(DVec3::new(x, y, 0.1), DVec3::Z, radius)?;
-        Ok(Arc::new(ProjectedCurve::new(Arc::new(above), DVec3::NEG_Z, Arc::clone(index), Pick::First)?))
-    }
-
     fn processor_time() -> Result<Duration, Box<dyn Error>> {
         Ok(Duration::from(clock_gettime(ClockId::CLOCK_PROCESS_CPUTIME_ID)?))
     }
 
+    /// The length of the squares of the cages in [`scaling`]: 22 of them make the plate.
+    const SQUARE: f64 = SIZE / 22.0;
+
+    pub fn scaling(eps: f64) -> Result<(), Box<dyn Error>> {
+        say!(
+            "{:>9} {:>5} {:>9} {:>11} {:>12} {:>12}",
+            "triangles",
+            "bores",
+            "cpu s",
+            "prepare s",
+            "compose s",
+            "ms a bore"
+        );
+        for n in [22, 71, 224] {
+            let surface = wavy::endless(n, SQUARE)?;
+            for count in [1, 8, 64] {
+                let mut engine = wavy::engine(&surface, &wavy::even_bores(count), eps)?;
+                let start = processor_time()?;
+                wavy::finish(&mut engine);
+                let all = (processor_time()? - start).as_secs_f64();
+                let world = engine.world();
+                let (d, ground) = (world.resource::<SubdivisionDiagnostics>(), world.resource::<GroundDiagnostics>());
+                // What the snapshot of the source costs, and that of the result: once for all bores.
+                let prepare = (d.admit.time + ground.gather.time).as_secs_f64();
+                let compose = d.compose.time.as_secs_f64();
+                let each = 1e3 * (all - prepare - compose) / count as f64;
+                let faces = surface.mesh.face_count();
+                say!("{faces:>9} {count:>5} {all:>9.3} {prepare:>11.4} {compose:>12.4} {each:>12.2}");
+            }
+        }
+        Ok(())
+    }
+
+    pub fn threads(eps: f64) -> Result<(), Box<dyn Error>> {
+        let surface = wavy::endless(22, SQUARE)?;
+        let mut walls = Vec::new();
+        for threads in [1, 2] {
+            let mut engine = wavy::engine(&surface, &wavy::even_bores(64), eps)?;
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+            let (start, cpu) = (Instant::now(), processor_time()?);
+            pool.install(|| wavy::finish(&mut engine));
+            walls.push(start.elapsed().as_secs_f64());
+            let cpu = (processor_time()? - cpu).as_secs_f64();
+            say!("threads {threads} wall {:.3} cpu {cpu:.3}", walls[walls.len() - 1]);
+        }
+        say!("ratio {:.2}", walls[0] / walls[1]);
+        Ok(())
+    }
+
     pub fn bore(surface: &LoopSurface, bores: &[Bore], eps: f64, output: Output) -> Result<(), Box<dyn Error>> {
-        let index = Arc::new(SurfaceIndex::new(Arc::new(LimitSurface::new(Arc::new(surface.clone()))?))?);
+        let index = wavy::indexed(surface)?;
         let mut engine = Engine::new();
         let (start, cpu) = (Instant::now(), processor_time()?);
         let source = engine.spawn_surface(surface);
         let tolerance = Tolerance::total(eps);
         let mut trims = Vec::new();
         for &bore in bores {
-            let curve = engine.spawn_curve(circle(&index, bore)?);
+            let curve = engine.spawn_curve(wavy::circle(&index, bore)?);
             let cuts = [(curve, Heading::Against)];
             trims.push(engine.spawn_trim(source, &cuts, Some(tolerance), TrimOptions::default()));
         }

@@ -11,6 +11,7 @@
 //! | and | what |
 //! | --- | --- |
 //! | [`CurveParameters`] | the hierarchy of parameters that every surface along a curve shares |
+//! | [`RememberedCurve`] | a curve that is dear to evaluate, each parameter once |
 //! | [`GuardedCurve`] | a curve that may panic, call forever or be not finite, called safely |
 //! | [`faults()`], [`find_corners()`] | everything wrong with a curve; the corners of a black box |
 //! | [`tangent()`], [`turn()`], [`length()`] | what is asked of curves everywhere |
@@ -34,6 +35,7 @@ mod length;
 mod net;
 mod parameters;
 mod polyline;
+mod remembered;
 mod reversed;
 mod segment;
 mod space_curve;
@@ -59,6 +61,7 @@ pub use length::length;
 pub use net::MAX_DEGREE;
 pub use parameters::{CurveParameters, Heading, Traversal};
 pub use polyline::Polyline;
+pub use remembered::RememberedCurve;
 pub use reversed::Reversed;
 pub use segment::Segment;
 pub use space_curve::SpaceCurve;

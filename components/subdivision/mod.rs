@@ -4,6 +4,7 @@ mod address;
 mod border;
 pub mod boxspline;
 mod corner;
+mod deviation;
 mod entities;
 pub mod fit;
 mod lattice;
@@ -17,6 +18,7 @@ mod surface;
 
 pub use address::{Address, FINEST_LEVEL, FaceCode};
 pub use corner::{CornerTable, Pull, SpecialCorner, interior_angle};
+pub use deviation::Deviation;
 pub use entities::{
     Cage, ControlPointIndex, ControlPointOf, ControlPoints, Detail, DetailLevel, DetailOf, Position, Sides, Snapshot,
 };

@@ -6,6 +6,50 @@ use selvedge_components::subdivision::FaceCode;
 use super::reach::union;
 use crate::subdivision::region;
 
+/// A point of a root face, in steps of the finest level towards its second and its third corner.
+pub type Steps = (u32, u32);
+
+/// A face of the forest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tile {
+    /// Its level.
+    pub level: u32,
+    /// Its code.
+    pub code: FaceCode,
+    /// Its corners.
+    pub corners: [Steps; 3],
+}
+
+impl Tile {
+    /// The middles of its edges; means nothing where it is not [coarse](Self::is_coarse).
+    pub fn middles(&self) -> [Steps; 3] {
+        let middle = |p: Steps, q: Steps| (u32::midpoint(p.0, q.0), u32::midpoint(p.1, q.1));
+        let [a, b, c] = self.corners;
+        [middle(a, b), middle(b, c), middle(c, a)]
+    }
+
+    /// Have its edges a step in their middle?
+    pub fn is_coarse(&self) -> bool {
+        let [a, b, _] = self.corners;
+        a.0.abs_diff(b.0).max(a.1.abs_diff(b.1)) > 1
+    }
+
+    fn children(&self) -> [Self; 4] {
+        let ([a, b, c], [ab, bc, ca]) = (self.corners, self.middles());
+        let corners = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+        core::array::from_fn(|i| Self { level: self.level + 1, code: self.code.child(i), corners: corners[i] })
+    }
+}
+
+/// What a [walk](Forest::walk) comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Node {
+    /// A face that is quartered; its quarters follow.
+    Split(Tile),
+    /// One that is not.
+    Leaf(Tile),
+}
+
 /// Root faces, some of them quartered, some of their quarters quartered, and so on.
 ///
 /// Always true after [`Forest::split`]: where a face is quartered, its three neighbours of the same
@@ -37,6 +81,28 @@ impl Forest {
     /// How many leaves there are.
     pub fn leaf_count(&self) -> usize {
         self.roots + 3 * self.split.iter().map(Vec::len).sum::<usize>()
+    }
+
+    /// Goes through all that stands on a root face, along the paths of quarters.
+    pub fn walk(&self, root: FaceId, mut visit: impl FnMut(Node)) {
+        let code = FaceCode::root(root);
+        let begin = |(level, split): (usize, &Vec<FaceCode>)| split.partition_point(|f| f.0 >> (2 * level) < code.0);
+        let mut next: Vec<usize> = self.split.iter().enumerate().map(begin).collect();
+        let n = 1 << self.finest();
+        self.walk_on(&mut next, Tile { level: 0, code, corners: [(0, 0), (n, 0), (0, n)] }, &mut visit);
+    }
+
+    /// `next` holds, by level, the place of the first split face that the walk has not come to.
+    fn walk_on(&self, next: &mut [usize], tile: Tile, visit: &mut impl FnMut(Node)) {
+        let level = tile.level as usize;
+        if self.split.get(level).and_then(|split| split.get(next[level])) != Some(&tile.code) {
+            return visit(Node::Leaf(tile));
+        }
+        next[level] += 1;
+        visit(Node::Split(tile));
+        for child in tile.children() {
+            self.walk_on(next, child, visit);
+        }
     }
 
     /// The faces of `level` that are quartered, ascending.

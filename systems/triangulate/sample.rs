@@ -1,18 +1,16 @@
 //! How far the limit surface of a leaf stands off the triangles that stand for it.
 
 use glam::DVec3;
-use selvedge_components::evaluate::{Evaluate, SurfacePoint};
-use selvedge_components::subdivision::boxspline::Quartic;
-use selvedge_components::subdivision::{FaceCode, Patch, Scheme};
+use selvedge_components::evaluate::SurfacePoint;
+use selvedge_components::mesh::{FaceId, HalfedgeId};
+use selvedge_components::subdivision::FaceCode;
 use smallvec::SmallVec;
 
 use super::Subject;
-use super::measure::squared_to_segment;
-use super::pyramid::{Floor, Pyramid};
+use super::inner::Inner;
+use super::measure::{Plane, squared_to_segment};
 use crate::foot;
-use crate::parallel::map_in_order;
-use crate::subdivision::chain::Level;
-use crate::subdivision::limit::regular_net;
+use crate::subdivision::limit::{Nest, Spot};
 
 /// Where a leaf is sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +24,7 @@ pub enum Grid {
 
 impl Grid {
     /// All its points but the corners, as the weights of these.
-    fn weights(self) -> Vec<[f64; 3]> {
+    pub fn weights(self) -> Vec<[f64; 3]> {
         let n = match self {
             Self::Quarters => 4,
             Self::Ninths => 9,
@@ -64,41 +62,20 @@ impl Farthest {
     }
 }
 
-/// A leaf: its level, and its place in [`Floor::faces`].
-pub type LeafPlace = (usize, usize);
-
-/// The leaves of `pyramid`, by level and in their order.
-pub fn leaves(pyramid: &Pyramid) -> Vec<LeafPlace> {
-    let places = |(l, floor): (usize, &Floor)| (0..floor.faces.len()).map(move |place| (l, place));
-    pyramid.floors.iter().enumerate().flat_map(places).collect()
+/// A face of the hierarchy: its level and its code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The level.
+    pub level: u32,
+    /// The code.
+    pub code: FaceCode,
 }
 
-/// For each of `leaves`: the sample of the limit surface that is farthest off. `near` is asked for a
-/// leaf, and answers with the squared distance of a point to the triangles that stand for it.
-pub fn farthest<D: Fn(DVec3) -> f64>(
-    subject: &Subject,
-    pyramid: &Pyramid,
-    leaves: &[LeafPlace],
-    grid: Grid,
-    near: impl Fn(LeafPlace) -> D + Sync,
-) -> Vec<Farthest> {
-    let weights = grid.weights();
-    map_in_order(leaves.len(), |i| Leaf::new(subject, pyramid, leaves[i]).farthest(&weights, near(leaves[i])))
-}
-
-/// For each of `leaves`: the point of its triangles that is farthest from the limit surface, of those
-/// that are farther than `limit`. `pieces` answers with the triangles.
-///
-/// The point of the surface with the same weights is no nearer than the foot: where it is within the
-/// limit already, the foot is not looked for.
-pub fn farthest_back(
-    subject: &Subject,
-    pyramid: &Pyramid,
-    leaves: &[LeafPlace],
-    limit: f64,
-    pieces: impl Fn(LeafPlace) -> Pieces + Sync,
-) -> Vec<Farthest> {
-    map_in_order(leaves.len(), |i| Leaf::new(subject, pyramid, leaves[i]).farthest_back(&pieces(leaves[i]), limit))
+impl Place {
+    /// The root face that it lies in.
+    pub fn root(&self) -> FaceId {
+        self.code.root_face(self.level)
+    }
 }
 
 /// A triangle on a leaf: its corners, each with its weights on the leaf.
@@ -123,116 +100,136 @@ const INSIDE: [[f64; 3]; 7] = {
     ]
 };
 
-/// A face of a level mesh that is sampled.
-struct Leaf<'a> {
-    subject: &'a Subject<'a>,
-    floor: &'a Floor,
-    face: u32,
-    code: FaceCode,
+/// How often the place over a point is looked for by how far the surface slides. Each step leaves of the
+/// distance what the slide changes over it, a tenth or less on faces that nearly keep a chord.
+const SLIDES: usize = 4;
+
+/// A face that is sampled.
+pub struct Sampled<'n, 'a> {
+    subject: &'n Subject,
+    nest: &'n mut Nest<'a>,
+    place: Place,
+    spot: Spot,
+    /// Its corners in the domain of the polynomial that covers it.
+    inner: Option<[[f64; 2]; 3]>,
     corners: [DVec3; 3],
+    borders: [bool; 3],
 }
 
-/// What evaluates a leaf.
-#[expect(clippy::large_enum_variant, reason = "one is made per leaf, on the stack")]
-enum Surface<'a> {
-    /// One polynomial.
-    Quartic(Quartic),
-    /// The rings of its corners.
-    Patch(Box<Patch<'a>>),
-    /// The levels that details reach.
-    Whole,
-}
-
-impl<'a> Leaf<'a> {
-    fn new(subject: &'a Subject<'a>, pyramid: &'a Pyramid, (l, place): LeafPlace) -> Self {
-        let floor = &pyramid.floors[l];
-        let face = floor.faces[place];
-        let code = floor.level.mesh.codes[face as usize];
-        Self { subject, floor, face, code, corners: pyramid.corners(l, face) }
+impl<'n, 'a> Sampled<'n, 'a> {
+    /// The face at `place`, within the root face of `nest`.
+    pub fn new(subject: &'n Subject, nest: &'n mut Nest<'a>, place: Place) -> Self {
+        let spot = nest.spot(place.level, place.code);
+        let inner = nest.quartic(spot).map(|_| Inner::new(place, spot.level).corners());
+        let borders = borders(subject, place);
+        let mut sampled = Self { subject, nest, place, spot, inner, corners: [DVec3::ZERO; 3], borders };
+        sampled.corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|w| sampled.position(w));
+        sampled
     }
 
-    fn farthest(&self, weights: &[[f64; 3]], near: impl Fn(DVec3) -> f64) -> Farthest {
-        let surface = self.surface();
+    /// Where its corners stand on the limit surface.
+    pub fn corners(&self) -> [DVec3; 3] {
+        self.corners
+    }
+
+    /// Which of its edges lie on a border.
+    pub fn borders(&self) -> [bool; 3] {
+        self.borders
+    }
+
+    /// The sample of the limit surface over it that is farthest off; `near` answers with the squared
+    /// distance of a point to the triangles that stand for it.
+    pub fn farthest(&mut self, weights: &[[f64; 3]], mut near: impl FnMut(DVec3) -> f64) -> Farthest {
         let mut farthest = Farthest::default();
-        let border = match surface {
-            // Its corners are inside, so its edges are.
-            Surface::Quartic(_) => [false; 3],
-            _ => self.floor.borders(self.face),
-        };
-        let mut see = |w: [f64; 3], x: DVec3| {
-            farthest.see(x, on_border(x, w, border, self.corners).unwrap_or_else(|| near(x)));
-        };
-        for &w in weights {
-            see(w, self.position(&surface, w));
-        }
-        if let Surface::Whole = surface {
-            self.moved_points(|w| see(w, self.position(&surface, w)));
+        weights.iter().for_each(|&w| self.see(&mut farthest, w, &mut near));
+        if self.inner.is_none() {
+            self.see_moved(&mut farthest, &mut near);
         }
         farthest
     }
 
-    fn farthest_back(&self, pieces: &[Piece], limit: f64) -> Farthest {
-        let surface = self.surface();
+    fn see(&mut self, farthest: &mut Farthest, w: [f64; 3], near: &mut impl FnMut(DVec3) -> f64) {
+        let x = self.position(w);
+        farthest.see(x, on_border(x, w, self.borders, self.corners).unwrap_or_else(|| near(x)));
+    }
+
+    /// The point of its triangles that is farthest from the limit surface, of those that are farther
+    /// than `enough`.
+    ///
+    /// The point of the surface with the same weights is no nearer than the foot, nor is what is found
+    /// from there over this face: only where that is beyond the `limit` the foot is looked for all around.
+    pub fn farthest_back(&mut self, pieces: &[Piece], enough: f64, limit: f64) -> Farthest {
         let mut farthest = Farthest::default();
+        let plane = Plane::new(self.corners);
         for piece in pieces {
             let on_leaf = |b: [f64; 3]| core::array::from_fn(|w| (0..3).map(|c| piece[c].1[w] * b[c]).sum());
             for b in INSIDE {
                 let y = (0..3).fold(DVec3::ZERO, |sum, c| sum + piece[c].0 * b[c]);
-                let mut distance = self.position(&surface, on_leaf(b)).distance(y);
+                let mut distance = self.distance_over(plane.as_ref(), on_leaf(b), y, enough);
                 if distance > limit {
                     let starts = core::iter::once(b).chain(foot::AROUND).map(|b| self.on_root(on_leaf(b)));
                     let (surface, mesh) = (&self.subject.limit, &self.subject.surface.mesh);
-                    distance = foot::distance(surface, mesh, starts, y, limit);
+                    distance = distance.min(foot::distance(surface, mesh, starts, y, limit));
                 }
-                farthest.see(y, if distance <= limit { 0.0 } else { distance * distance });
+                farthest.see(y, if distance <= enough { 0.0 } else { distance * distance });
             }
         }
         farthest
     }
 
-    fn surface(&self) -> Surface<'a> {
-        let Level { mesh, state } = &self.floor.level;
-        if !self.subject.limit.is_settled(mesh.level, self.code) {
-            return Surface::Whole;
+    /// The distance of `y` to the limit surface over this face, from above: to where it stands over the
+    /// place with the weights `start`, and to where it has slid away from `y` as often as `limit` is
+    /// exceeded and a step brings it nearer.
+    fn distance_over(&mut self, plane: Option<&Plane>, start: [f64; 3], y: DVec3, limit: f64) -> f64 {
+        let mut weights = start;
+        let mut least = f64::INFINITY;
+        for _ in 0..SLIDES {
+            let x = self.position(weights);
+            let distance = x.distance(y);
+            let Some(plane) = plane.filter(|_| distance > limit && distance < least) else {
+                return if distance.is_nan() { distance } else { least.min(distance) };
+            };
+            least = distance;
+            let (here, there) = (plane.under(x).weights, plane.under(y).weights);
+            weights = core::array::from_fn(|c| (weights[c] + there[c] - here[c]).max(0.0));
+            let sum: f64 = weights.iter().sum();
+            weights = weights.map(|w| w / sum);
         }
-        match regular_net(mesh, self.face) {
-            Some(net) => Surface::Quartic(Quartic::new(&net.map(|v| state.effective[v as usize]))),
-            None => {
-                let scheme = Scheme { surface: self.subject.surface, corners: &self.subject.corners };
-                Surface::Patch(Box::new(Patch::of(scheme, mesh, state, self.face)))
-            }
-        }
+        least
     }
 
-    fn position(&self, surface: &Surface<'_>, weights: [f64; 3]) -> DVec3 {
-        match surface {
-            Surface::Quartic(quartic) => quartic.position(weights[1], weights[2]),
-            Surface::Patch(patch) => Patch::clone(patch).position(weights),
-            Surface::Whole => self.subject.limit.position(self.on_root(weights)),
+    fn position(&mut self, weights: [f64; 3]) -> DVec3 {
+        match (self.inner, self.nest.quartic(self.spot)) {
+            (Some(inner), Some(quartic)) => {
+                let [s, t] = [0, 1].map(|k| (0..3).map(|c| weights[c] * inner[c][k]).sum());
+                quartic.position(s, t)
+            }
+            _ => self.nest.position(self.spot, weights),
         }
     }
 
     fn on_root(&self, weights: [f64; 3]) -> SurfacePoint {
-        let level = self.floor.level.mesh.level;
+        let Place { level, code } = self.place;
         let share = 0.5_f64.powi(level as i32);
-        let corners = self.code.corners(level);
+        let corners = code.corners(level);
         let (s, t) = corners
             .iter()
             .zip(weights)
             .fold((0.0, 0.0), |(s, t), (&(i, j), w)| (s + w * f64::from(i), t + w * f64::from(j)));
-        SurfacePoint::new(self.code.root_face(level), s * share, t * share)
+        SurfacePoint::new(code.root_face(level), s * share, t * share)
     }
 
     /// Details finer than the grid show at the points that they move: the corners of their faces.
-    fn moved_points(&self, mut see: impl FnMut([f64; 3])) {
-        let level = self.floor.level.mesh.level;
-        for finer in level + 1..self.subject.reach.depth() {
+    fn see_moved(&mut self, farthest: &mut Farthest, near: &mut impl FnMut(DVec3) -> f64) {
+        let Place { level, code } = self.place;
+        let subject = self.subject;
+        for finer in level + 1..subject.reach.depth() {
             let down = finer - level;
-            for face in self.subject.reach.moved_below(level, self.code, finer) {
-                let inner = FaceCode(face.0 - (self.code.0 << (2 * down)));
+            for face in subject.reach.moved_below(level, code, finer) {
+                let inner = FaceCode(face.0 - (code.0 << (2 * down)));
                 let n = 1 << down;
                 for (i, j) in inner.corners(down) {
-                    see([n - i - j, i, j].map(|w| f64::from(w) / f64::from(n)));
+                    self.see(farthest, [n - i - j, i, j].map(|w| f64::from(w) / f64::from(n)), near);
                 }
             }
         }
@@ -245,4 +242,16 @@ impl<'a> Leaf<'a> {
 fn on_border(x: DVec3, weights: [f64; 3], border: [bool; 3], corners: [DVec3; 3]) -> Option<f64> {
     let edge = (0..3).find(|&edge| border[edge] && weights[(edge + 2) % 3] == 0.0)?;
     Some(squared_to_segment(x, corners[edge], corners[(edge + 1) % 3]))
+}
+
+/// Which edges of a face lie on a border.
+fn borders(subject: &Subject, Place { level, code }: Place) -> [bool; 3] {
+    let (n, root) = (1_u32 << level, code.root_face(level));
+    let corners = code.corners(level).map(|(i, j)| [n - i - j, i, j]);
+    [0, 1, 2].map(|edge| {
+        let (from, to) = (corners[edge], corners[(edge + 1) % 3]);
+        // The root edge across from the corner that weighs nothing all along runs from the next corner.
+        let across = (0..3).find(|&c| from[c] == 0 && to[c] == 0);
+        across.is_some_and(|c| subject.surface.mesh.twin(HalfedgeId::of(root, (c + 1) % 3)).is_none())
+    })
 }

@@ -134,6 +134,12 @@ impl CurveParameters {
         Self::new(curve, extent, parameters, &[])
     }
 
+    /// The same hierarchy over `curve`, which is the same curve in all but how it is evaluated.
+    #[must_use]
+    pub fn over(&self, curve: Arc<dyn Curve>) -> Self {
+        Self { curve, ..self.clone() }
+    }
+
     /// The curve that is sampled.
     pub fn curve(&self) -> &Arc<dyn Curve> {
         &self.curve

@@ -65,10 +65,15 @@ impl<'a> Patch<'a> {
     fn evaluate(mut self, weights: [f64; 3], ask: Ask) -> Jet {
         let mut place = Descent::from(weights);
         let mut origin = DVec3::ZERO;
-        let on_border = self.border_edge(weights).and_then(|c| self.on_curve(c, weights));
-        if let (Some((position, ..)), Ask::Position) = (on_border, ask) {
-            return Jet { position, ..Jet::default() };
-        }
+        let edge = self.border_edge(weights);
+        let on_border = match (edge, ask) {
+            (None, _) => None,
+            (Some(c), Ask::Jet) => self.on_curve(c, weights),
+            (Some(c), Ask::Position) => match self.point_on_curve(c, weights) {
+                Some(position) => return Jet { position, ..Jet::default() },
+                None => None,
+            },
+        };
         let mut depth = 0;
         let mut jet = loop {
             let weights = place.weights;
@@ -103,8 +108,27 @@ impl<'a> Patch<'a> {
         }
     }
 
+    /// The position where no quartering is needed for it: on a given border, and at a corner.
+    pub fn position_at_once(&self, weights: [f64; 3]) -> Option<DVec3> {
+        let on_border = self.border_edge(weights).and_then(|c| self.point_on_curve(c, weights));
+        let at_corner = || weights.iter().position(|&w| w == 1.0).map(|c| self.rings[c].limit(self.scheme));
+        on_border.or_else(at_corner)
+    }
+
+    /// Hands out all four quarters in turn, each as [`Patch::quarter`] gives it.
+    pub fn quarters(&self, mut put: impl FnMut(Self)) {
+        let scheme = self.scheme;
+        let vertices = [0, 1, 2].map(|c| self.rings[c].vertex_point());
+        let middles = [0, 1, 2].map(|c| self.rings[c].spoke_point(scheme, self.at[c]));
+        let halves = [0, 1, 2].map(|c| self.middle_ring(c, &vertices, &middles));
+        for c in 0..3 {
+            put(self.corner_quarter(c, &middles, [halves[c].clone(), halves[(c + 2) % 3].clone()]));
+        }
+        put(Self { scheme, rings: halves, at: [1; 3] });
+    }
+
     /// One of the four quarters: 0 to 2 hold the corner of that number, 3 is the middle one.
-    fn quarter(&self, child: usize) -> Self {
+    pub fn quarter(&self, child: usize) -> Self {
         let scheme = self.scheme;
         let vertices = [0, 1, 2].map(|c| self.rings[c].vertex_point());
         let middles = [0, 1, 2].map(|c| self.rings[c].spoke_point(scheme, self.at[c]));
@@ -112,12 +136,19 @@ impl<'a> Patch<'a> {
         if child > 2 {
             return Self { scheme, rings: [middle(0), middle(1), middle(2)], at: [1; 3] };
         }
-        let (c, next, after) = (child, (child + 1) % 3, (child + 2) % 3);
+        self.corner_quarter(child, &middles, [middle(child), middle((child + 2) % 3)])
+    }
+
+    /// The quarter at corner `c`, of which the edge to the next corner, and that from the corner after,
+    /// have `halves` as their middles.
+    fn corner_quarter(&self, c: usize, middles: &[DVec3; 3], halves: [Ring; 2]) -> Self {
+        let (scheme, next, after) = (self.scheme, (c + 1) % 3, (c + 2) % 3);
         let i = self.at[c];
         let own = self.rings[c].finer_with(scheme, [(i, middles[c]), (self.rings[c].turn(i, 1), middles[after])]);
         let mut at = [0; 3];
         (at[c], at[next], at[after]) = (i, 2, 0);
-        let mut rings = [own.clone(), middle(c), middle(after)];
+        let [to_next, from_after] = halves;
+        let mut rings = [own, to_next, from_after];
         rings.rotate_right(c);
         Self { scheme, rings, at }
     }
@@ -152,6 +183,11 @@ impl<'a> Patch<'a> {
     /// Does a border run along the edge from corner `c` to the next?
     fn is_border_edge(&self, c: usize) -> bool {
         self.at[c] == 0 && self.rings[c].border().is_some()
+    }
+
+    /// The polynomial that is the whole face, where there is one.
+    pub fn quartic(&self) -> Option<Quartic> {
+        self.net().map(|net| Quartic::new(&net))
     }
 
     /// The control points, where the surface over the face is one polynomial.
@@ -198,6 +234,12 @@ impl<'a> Patch<'a> {
     /// The given border edge that the point with `weights` lies on.
     fn border_edge(&self, weights: [f64; 3]) -> Option<usize> {
         (0..3).find(|&c| weights[(c + 2) % 3] == 0.0 && self.is_border_edge(c))
+    }
+
+    /// On border edge `c`: the curve's own point; `None` on a plain border.
+    fn point_on_curve(&self, c: usize, weights: [f64; 3]) -> Option<DVec3> {
+        let (level, (side, step)) = (self.rings[c].level, self.rings[c].border()?.leaving);
+        self.scheme.surface.sides[side as usize].point_on(level, step, weights[(c + 1) % 3])
     }
 
     /// On border edge `c`: the curve's own point, `c`, and the curve's velocity along it, per edge of

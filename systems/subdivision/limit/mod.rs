@@ -5,13 +5,14 @@
 //! [`Patch`] evaluates a face from the rings of its corners alone. Derived from the surface and
 //! dropped at will.
 
+mod nest;
 mod plan;
 
 use std::sync::Arc;
 
 use glam::DVec3;
 use selvedge_components::evaluate::{Evaluate, Jet, SurfacePoint};
-use selvedge_components::mesh::VertexId;
+use selvedge_components::mesh::{FaceId, HalfedgeId, VertexId};
 use selvedge_components::subdivision::boxspline::Quartic;
 use selvedge_components::subdivision::{
     CornerTable, Descent, FaceCode, Kind, LevelMesh, LimitFrame, LoopSurface, NONE, Patch, RingState, Scheme,
@@ -21,6 +22,7 @@ use thiserror::Error;
 
 use super::chain::{self, Level};
 use crate::parallel::map_in_order;
+pub use nest::{Nest, Spot};
 use plan::Plan;
 
 /// Why a surface cannot be evaluated.
@@ -143,6 +145,47 @@ impl LimitSurface {
         kept.is_none_or(|kept| kept.unsettled.binary_search(&code).is_err())
     }
 
+    /// A root face, as one that is kept.
+    pub fn root(&self, face: FaceId) -> Kept {
+        Kept { level: 0, face: face.0 }
+    }
+
+    /// What evaluates a face that is kept; `None` for a root face that does not exist.
+    pub fn piece(&self, Kept { level, face }: Kept) -> Option<Piece<'_>> {
+        let kept = self.levels.get(level as usize)?;
+        Some(match *kept.faces.get(face as usize)? {
+            Face::Children(first) => Piece::Children([0, 1, 2, 3].map(|k| Kept { level: level + 1, face: first + k })),
+            Face::Regular(net) => Piece::Quartic(kept.quartic(net)),
+            Face::Patch => {
+                let scheme = Scheme { surface: &self.surface, corners: &self.corners };
+                Piece::Patch(Patch::of(scheme, &kept.level.mesh, &kept.level.state, face))
+            }
+        })
+    }
+
+    /// The unit normal at the root vertex that `h` leaves, whatever angle its faces span; zero where there
+    /// is none.
+    ///
+    /// A smooth border vertex of one face has both of the face's derivatives along the border: their
+    /// product is no normal.
+    pub fn normal_at(&self, h: HalfedgeId) -> DVec3 {
+        let scheme = Scheme { surface: &self.surface, corners: &self.corners };
+        let (mut face, corner) = (h.face().0, h.corner());
+        for kept in &self.levels {
+            let Level { mesh, state } = &kept.level;
+            match kept.faces.get(face as usize) {
+                // The quarter of that number, and there the same corner again.
+                Some(Face::Children(first)) => face = first + corner as u32,
+                Some(_) => {
+                    let frame = limit_frame(scheme, mesh, state, mesh.corners[face as usize][corner]);
+                    return frame.map_or(DVec3::ZERO, |frame| frame.normal());
+                }
+                None => break,
+            }
+        }
+        DVec3::ZERO
+    }
+
     /// The finest kept face at a place, and the way there.
     #[inline]
     fn find(&self, at: SurfacePoint) -> Option<(Found<'_>, Descent)> {
@@ -161,6 +204,25 @@ impl LimitSurface {
         }
         None
     }
+}
+
+/// A face of the levels that are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kept {
+    level: u32,
+    face: u32,
+}
+
+/// What evaluates a face that is kept.
+#[expect(clippy::large_enum_variant, reason = "made once per face, on the stack")]
+#[derive(Clone, Debug)]
+pub enum Piece<'a> {
+    /// Its quarters.
+    Children([Kept; 4]),
+    /// One polynomial.
+    Quartic(Quartic),
+    /// The rings of its corners.
+    Patch(Patch<'a>),
 }
 
 /// What evaluates a place. It lives for one evaluation on the stack: a box would cost more than the

@@ -8,7 +8,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use selvedge_components::curve::Traversal;
 use selvedge_components::evaluate::{Evaluate, SurfacePoint};
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
@@ -19,11 +19,14 @@ use super::ground::Ground;
 use crate::closest::SurfaceIndex;
 use crate::foot;
 use crate::parallel::map_in_order;
-use crate::subdivision::limit::LimitSurface;
+use crate::subdivision::limit::{LimitSurface, Nest};
 use crate::subdivision::remesh::{FaceOrigin, Remeshed};
 
 /// Faces measured in one work quantum: some milliseconds.
 const QUANTUM: usize = 64;
+
+/// Steps that end within this part of what is taken for near have most likely found the foot.
+const LIKELY: f64 = 0.5;
 
 /// An audit in progress.
 #[derive(Debug)]
@@ -36,7 +39,8 @@ pub struct TrimAuditWork {
     searched: OnceLock<Option<SurfaceIndex<LimitSurface>>>,
     /// The distance allowed, if one was asked for.
     allowed: Option<f64>,
-    /// A foot as near as this is taken for the right one; one that is farther is sought elsewhere, too.
+    /// A foot as near as this is taken for the right one, which overstates the distance if it is not; one
+    /// that is farther is sought elsewhere, too.
     near: f64,
     samples: u32,
     seed: u64,
@@ -62,7 +66,7 @@ impl TrimAuditWork {
         let (omega, samples, seed) = (remeshed.omega.clone(), options.samples, options.seed);
         let found = TrimAudit::default();
         // Without a tolerance, what is a thousandth of an edge off is looked at twice.
-        let near = allowed.map_or(1e-3 * ground.edge, |allowed| 0.5 * allowed);
+        let near = allowed.unwrap_or(1e-3 * ground.edge);
         let (limit, searched) = (Arc::new(limit), OnceLock::new());
         Ok(Self { ground, remeshed, surface, limit, searched, allowed, near, samples, seed, omega, measured: 0, found })
     }
@@ -99,49 +103,91 @@ impl TrimAuditWork {
         if faults.is_empty() { Ok(TrimQuantum::Finished) } else { Err(TrimFault::Audit { faults }) }
     }
 
-    /// Samples one face of the result, and the piece of the source that it stands for.
+    /// Samples one face of the result, and the piece of the source that it stands for. What is no farther
+    /// than the farthest so far is not measured to the end.
     fn measure(&self, face: FaceId) -> TrimAudit {
         let mut draw = Draw::new(self.seed, face.0);
-        let mut found = TrimAudit::default();
-        let source = self.ground.limit();
-        let corners = self.surface.mesh.face(face);
+        let mut found = TrimAudit { samples: 0, ..self.found };
         let origin = self.remeshed.face_origin[face.index()];
+        let mut result = Nest::new(&self.limit, face);
+        let mut source = match origin {
+            FaceOrigin::Leaf { level, code } => {
+                Some((level, code, Nest::new(self.ground.limit(), code.root_face(level))))
+            }
+            _ => None,
+        };
         for _ in 0..self.samples {
             let weights = draw.weights();
-            let x = self.limit.position(SurfacePoint::new(face, weights[1], weights[2]));
-            // The place that stands for the nearest corner.
-            let heaviest = (1..3).fold(0, |best, c| if weights[c] > weights[best] { c } else { best });
-            let start = self.remeshed.natural[corners[heaviest].index()];
-            let off = self.to_source(start, x);
+            let x = result.position(result.root(), weights);
+            let mut off = f64::INFINITY;
+            if let Some((level, code, source)) = &mut source {
+                off = x.distance(position(source, on_root(*level, *code, weights)));
+            }
+            // The place with the same weights is no nearer than the foot. A distance that is no number
+            // is not within any.
+            if !(off <= found.to_source) {
+                off = self.to_source(self.start(face, origin, weights), x, found.to_source);
+            }
             farther(&mut found, &TrimAudit { to_source: off, to_source_at: x, samples: 1, ..TrimAudit::default() });
-            if let FaceOrigin::Leaf { level, code } = origin {
-                let y = source.position(on_root(level, code, draw.weights_near(weights)));
-                let off = self.to_result(SurfacePoint::new(face, weights[1], weights[2]), y);
+            if let Some((level, code, source)) = &mut source {
+                let aside = draw.weights_near(weights);
+                let y = position(source, on_root(*level, *code, aside));
+                let mut off = y.distance(result.position(result.root(), aside));
+                if !(off <= found.to_result) {
+                    off = self.to_result(SurfacePoint::new(face, aside[1], aside[2]), y, found.to_result);
+                }
                 farther(&mut found, &TrimAudit { to_result: off, to_result_at: y, samples: 1, ..TrimAudit::default() });
             }
         }
         found
     }
 
-    /// The distance of a point of the result to the source: by steps from `start`, or if those lead to
-    /// no near foot, by a search everywhere.
-    fn to_source(&self, start: SurfacePoint, x: DVec3) -> f64 {
-        let off = foot::distance(&**self.ground.limit(), &self.ground.surface.mesh, [start], x, 0.0);
-        if off <= self.near {
+    /// A place of the source near the foot of the place of the result where the corners of `face` weigh
+    /// `weights`: the same of the piece that it stands for, or between the places that its corners stand
+    /// for, or that of the nearest corner.
+    fn start(&self, face: FaceId, origin: FaceOrigin, weights: [f64; 3]) -> SurfacePoint {
+        if let FaceOrigin::Leaf { level, code } = origin {
+            return on_root(level, code, weights);
+        }
+        let natural = self.surface.mesh.face(face).map(|v| self.remeshed.natural[v.index()]);
+        if natural.iter().all(|at| at.face == natural[0].face) {
+            let st = (0..3).fold(DVec2::ZERO, |sum, c| sum + natural[c].st * weights[c]);
+            return SurfacePoint::new(natural[0].face, st.x, st.y);
+        }
+        let heaviest = (1..3).fold(0, |best, c| if weights[c] > weights[best] { c } else { best });
+        natural[heaviest]
+    }
+
+    /// The distance of a point of the result to the source, from above, or something within `enough`: by
+    /// steps from `start`, or if those lead to no near foot, from all over its face, or by a search
+    /// everywhere.
+    fn to_source(&self, start: SurfacePoint, x: DVec3, enough: f64) -> f64 {
+        let (source, mesh) = (&**self.ground.limit(), &self.ground.surface.mesh);
+        let off = self.steps(source, mesh, start, x, enough);
+        if off <= self.near.max(enough) {
             return off;
         }
         self.ground.index.closest(x).map_or(off, |found| off.min(found.distance))
     }
 
     /// The distance of a point of the source to the result, likewise.
-    fn to_result(&self, start: SurfacePoint, y: DVec3) -> f64 {
-        let off = foot::distance(&*self.limit, &self.surface.mesh, [start], y, 0.0);
-        if off <= self.near {
+    fn to_result(&self, start: SurfacePoint, y: DVec3, enough: f64) -> f64 {
+        let off = self.steps(&self.limit, &self.surface.mesh, start, y, enough);
+        if off <= self.near.max(enough) {
             return off;
         }
         let index = self.searched.get_or_init(|| SurfaceIndex::new(Arc::clone(&self.limit)).ok());
         let found = index.as_ref().and_then(|index| index.closest(y).ok());
         found.map_or(off, |found| off.min(found.distance))
+    }
+
+    fn steps(&self, surface: &LimitSurface, mesh: &Connectivity, start: SurfacePoint, x: DVec3, enough: f64) -> f64 {
+        let off = foot::distance(surface, mesh, [start], x, enough);
+        if off <= enough.max(LIKELY * self.near) {
+            return off;
+        }
+        let around = foot::AROUND.map(|w| SurfacePoint::new(start.face, w[1], w[2]));
+        off.min(foot::distance(surface, mesh, around, x, enough))
     }
 
     fn judge_distances(&self, faults: &mut Vec<TrimAuditFault>) {
@@ -225,6 +271,11 @@ fn farther(a: &mut TrimAudit, b: &TrimAudit) {
         (a.to_result, a.to_result_at) = (b.to_result, b.to_result_at);
     }
     a.samples += b.samples;
+}
+
+/// The limit position at a place of the root face of `nest`.
+fn position(nest: &mut Nest<'_>, SurfacePoint { st, .. }: SurfacePoint) -> DVec3 {
+    nest.position(nest.root(), [(1.0 - st.x - st.y).max(0.0), st.x, st.y])
 }
 
 /// The place of the root mesh where the corners of `code` weigh `weights`.

@@ -1,0 +1,135 @@
+//! A root face and what evaluates it, quarter within quarter, each made once.
+
+use glam::DVec3;
+use selvedge_components::mesh::FaceId;
+use selvedge_components::subdivision::boxspline::Quartic;
+use selvedge_components::subdivision::{Descent, FaceCode, Patch};
+use smallvec::SmallVec;
+
+use super::{Kept, LimitSurface, Piece};
+
+/// The faces within a root face that have been asked for.
+///
+/// Beside given borders and irregular vertices a face has polynomials only in its quarters' quarters:
+/// whoever asks for many points of it shares them here, and the samples of curves that make them.
+#[derive(Debug)]
+pub struct Nest<'a> {
+    limit: &'a LimitSurface,
+    nodes: Vec<Node<'a>>,
+}
+
+#[derive(Debug)]
+struct Node<'a> {
+    body: Body<'a>,
+    /// The first of its quarters, once they are there.
+    children: Option<u32>,
+}
+
+#[derive(Debug)]
+enum Body<'a> {
+    Kept([Kept; 4]),
+    Quartic(Box<Quartic>),
+    Patch(Box<Patch<'a>>),
+    /// A root face that is not there.
+    Nothing,
+}
+
+/// A face in a [`Nest`], or the one within whose polynomial it lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Spot {
+    node: u32,
+    /// The level of the node; that of the face where it is not below a polynomial.
+    pub level: u32,
+}
+
+/// Quarters deeper than this below the first that is asked are not kept. A point that has not met a
+/// polynomial by then is within `2^-8` of the face's size of a border or an irregular vertex.
+const KEPT_DEPTH: u32 = 8;
+
+impl<'a> Nest<'a> {
+    /// The root face `face`, and nothing in it yet.
+    pub fn new(limit: &'a LimitSurface, face: FaceId) -> Self {
+        let body = body_of(limit.piece(limit.root(face)));
+        Self { limit, nodes: vec![Node { body, children: None }] }
+    }
+
+    /// The face `code` of `level`, which lies in the root face.
+    pub fn spot(&mut self, level: u32, code: FaceCode) -> Spot {
+        let mut spot = self.root();
+        while spot.level < level && self.quartic(spot).is_none() {
+            let child = code.0 >> (2 * (level - spot.level - 1)) & 3;
+            spot = self.child(spot, child as usize);
+        }
+        spot
+    }
+
+    /// The root face.
+    pub fn root(&self) -> Spot {
+        Spot { node: 0, level: 0 }
+    }
+
+    /// The quarter `child` of a face that is no polynomial.
+    pub fn child(&mut self, spot: Spot, child: usize) -> Spot {
+        let first = self.nodes[spot.node as usize].children.unwrap_or_else(|| self.quarter(spot.node));
+        Spot { node: first + child as u32, level: spot.level + 1 }
+    }
+
+    fn quarter(&mut self, node: u32) -> u32 {
+        let first = self.nodes.len() as u32;
+        let mut children = SmallVec::<[Body<'a>; 4]>::new();
+        match &self.nodes[node as usize].body {
+            Body::Kept(kept) => children.extend(kept.map(|kept| body_of(self.limit.piece(kept)))),
+            Body::Patch(patch) => patch.quarters(|quarter| children.push(body_of_patch(quarter))),
+            Body::Quartic(_) | Body::Nothing => children.extend([const { Body::Nothing }; 4]),
+        }
+        self.nodes.extend(children.into_iter().map(|body| Node { body, children: None }));
+        self.nodes[node as usize].children = Some(first);
+        first
+    }
+
+    /// The polynomial that is the whole of a face.
+    pub fn quartic(&self, spot: Spot) -> Option<&Quartic> {
+        match &self.nodes[spot.node as usize].body {
+            Body::Quartic(quartic) => Some(quartic),
+            _ => None,
+        }
+    }
+
+    /// The limit position where the corners of a face weigh `weights`.
+    pub fn position(&mut self, mut spot: Spot, weights: [f64; 3]) -> DVec3 {
+        let mut way = Descent::from(weights);
+        let deepest = spot.level + KEPT_DEPTH;
+        loop {
+            match &self.nodes[spot.node as usize].body {
+                Body::Quartic(quartic) => return quartic.position(way.weights[1], way.weights[2]),
+                Body::Nothing => return DVec3::NAN,
+                Body::Kept(_) => {}
+                Body::Patch(patch) => {
+                    if let Some(position) = patch.position_at_once(way.weights) {
+                        return position;
+                    }
+                    if spot.level >= deepest {
+                        return (**patch).clone().position(way.weights);
+                    }
+                }
+            }
+            spot = self.child(spot, way.enter());
+        }
+    }
+}
+
+fn body_of(piece: Option<Piece<'_>>) -> Body<'_> {
+    match piece {
+        Some(Piece::Children(children)) => Body::Kept(children),
+        Some(Piece::Quartic(quartic)) => Body::Quartic(Box::new(quartic)),
+        Some(Piece::Patch(patch)) => body_of_patch(patch),
+        None => Body::Nothing,
+    }
+}
+
+fn body_of_patch(patch: Patch<'_>) -> Body<'_> {
+    match patch.quartic() {
+        Some(quartic) => Body::Quartic(Box::new(quartic)),
+        None => Body::Patch(Box::new(patch)),
+    }
+}

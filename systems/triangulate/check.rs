@@ -1,0 +1,214 @@
+//! The finished triangles are measured both ways: from the surface to them, and from them to the surface.
+//!
+//! Where a leaf lies within one polynomial, this bounds its distance. Only leaves with no bound, or one
+//! beyond the chord, are sampled; and then those that may be the farthest, so that what is reported as
+//! achieved is met at a place.
+
+use core::cell::OnceCell;
+use std::collections::HashMap;
+
+use glam::DVec3;
+use selvedge_components::mesh::FaceId;
+use selvedge_components::subdivision::Deviation;
+
+use super::Subject;
+use super::assemble::{Around, Assembly, Leaf, LeafKey};
+use super::inner::Inner;
+use super::measure::Facet;
+use super::sample::{Farthest, Grid, Piece, Sampled};
+use crate::parallel::map_in_order;
+use crate::subdivision::limit::Nest;
+
+/// Of leaves that must be sampled anyway, distances up to this part of the chord are not told apart: what
+/// lies below does not decide, and is seldom the farthest.
+const SHARP: f64 = 0.8;
+
+/// How many leaves are measured at a time to find the farthest: few at first, since they tell how many
+/// more must be, and then enough for every core.
+const AT_A_TIME: [usize; 2] = [64, 1024];
+
+/// By leaf, the farthest point that was found; nothing where a bound lies within the chord and below the
+/// farthest of all.
+///
+/// If a leaf fails that is to be quartered, those which cost more are not measured: they are when the
+/// next forest has its triangles.
+pub fn check(subject: &Subject, assembly: &Assembly, chord: f64, last_level: u32, known: &mut Known) -> Vec<Farthest> {
+    let checker = Checker::new(subject, assembly, chord);
+    let bounds = checker.by_root(|nest, i| Some(checker.bound(nest, &assembly.leaves[i])));
+    let bounds: Vec<f64> = bounds.into_iter().flatten().collect();
+    let mut found: Vec<Option<Farthest>> = vec![None; bounds.len()];
+    let turns: [fn(f64) -> bool; 2] = [|bound| bound.is_finite(), |bound| !bound.is_finite()];
+    for turn in turns {
+        let due = |i: usize| bounds[i] > chord && turn(bounds[i]);
+        let measured = checker.measure(due, known, SHARP * chord);
+        for ((all, measured), leaf) in found.iter_mut().zip(measured).zip(&assembly.leaves) {
+            let Some(measured) = measured else { continue };
+            *all = Some(measured.farthest);
+            if measured.alone {
+                known.0.insert(leaf.key(), measured.farthest);
+            }
+        }
+        let fails = |(leaf, found): (&Leaf, &Option<Farthest>)| {
+            leaf.place.level < last_level && found.is_some_and(|found| is_beyond(&found, chord))
+        };
+        if assembly.leaves.iter().zip(&found).any(fails) {
+            return found.into_iter().map(Option::unwrap_or_default).collect();
+        }
+    }
+    checker.find_farthest(&bounds, found)
+}
+
+/// What was measured of leaves by their own triangles alone: it holds in the next forest, too, for those
+/// that are still there and cut as they were.
+#[derive(Debug, Default)]
+pub struct Known(HashMap<LeafKey, Farthest>);
+
+/// A leaf that was measured.
+#[derive(Clone, Copy, Debug)]
+struct Measured {
+    farthest: Farthest,
+    /// By its own triangles alone?
+    alone: bool,
+}
+
+/// Is it farther off than `limit`?
+pub fn is_beyond(found: &Farthest, limit: f64) -> bool {
+    found.squared.is_nan() || found.squared > limit * limit
+}
+
+struct Checker<'a> {
+    subject: &'a Subject,
+    assembly: &'a Assembly,
+    chord: f64,
+    around: Around,
+    /// The unit normals of the triangles.
+    normals: Vec<DVec3>,
+    weights: Vec<[f64; 3]>,
+}
+
+impl<'a> Checker<'a> {
+    fn new(subject: &'a Subject, assembly: &'a Assembly, chord: f64) -> Self {
+        Self {
+            subject,
+            assembly,
+            chord,
+            around: assembly.around(),
+            normals: map_in_order(assembly.triangle_count(), |t| assembly.normal(t as u32)),
+            weights: Grid::Ninths.weights(),
+        }
+    }
+
+    /// What `of` makes of every leaf; leaves of one root face share its nest.
+    fn by_root<R: Send>(&self, of: impl Fn(&mut Nest<'a>, usize) -> Option<R> + Sync + Send) -> Vec<Option<R>> {
+        let faces = map_in_order(self.subject.surface.mesh.face_count(), |f| {
+            let mut nest = Nest::new(&self.subject.limit, FaceId::new(f));
+            self.assembly.leaves_of(f).map(|i| of(&mut nest, i)).collect::<Vec<_>>()
+        });
+        faces.into_iter().flatten().collect()
+    }
+
+    /// Measures the leaves that are `due` and not `known`. Distances up to `enough` are not told apart.
+    fn measure(&self, due: impl Fn(usize) -> bool + Sync + Send, known: &Known, enough: f64) -> Vec<Option<Measured>> {
+        let measured = |nest: &mut Nest<'a>, leaf: &Leaf| match known.0.get(&leaf.key()) {
+            Some(&farthest) => Measured { farthest, alone: true },
+            None => self.farthest(nest, leaf, enough, self.chord),
+        };
+        self.by_root(|nest, i| due(i).then(|| measured(nest, &self.assembly.leaves[i])))
+    }
+
+    /// Measures what may be the farthest until it is found. `found` holds what was measured already, from
+    /// above.
+    fn find_farthest(&self, bounds: &[f64], mut found: Vec<Option<Farthest>>) -> Vec<Farthest> {
+        let distance = |found: &Farthest| found.squared.sqrt();
+        let mut most = 0.0_f64;
+        let at_most = |i: usize| found[i].as_ref().map_or(bounds[i], distance);
+        let mut open: Vec<(f64, usize)> =
+            (0..bounds.len()).map(|i| (at_most(i), i)).filter(|open| open.0 > most).collect();
+        let first = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
+        let mut count = AT_A_TIME[0];
+        while !open.is_empty() {
+            if open.len() > count {
+                open.select_nth_unstable_by(count, first);
+            }
+            let rest = open.split_off(open.len().min(count));
+            open.sort_unstable_by(first);
+            let leaf = |k: usize| &self.assembly.leaves[open[k].1];
+            let measured = map_in_order(open.len(), |k| {
+                self.farthest(&mut Nest::new(&self.subject.limit, leaf(k).place.root()), leaf(k), most, most).farthest
+            });
+            for (&(_, i), measured) in open.iter().zip(measured) {
+                most = most.max(distance(&measured));
+                found[i] = Some(measured);
+            }
+            open = rest;
+            open.retain(|&(at_most, _)| at_most > most);
+            count = AT_A_TIME[1];
+        }
+        found.into_iter().map(Option::unwrap_or_default).collect()
+    }
+
+    /// Measures a leaf. Distances up to `enough` are not told apart, and those of its triangles up to `sharp`
+    /// may be less than is told.
+    fn farthest(&self, nest: &mut Nest<'a>, leaf: &Leaf, enough: f64, sharp: f64) -> Measured {
+        let mut sampled = Sampled::new(self.subject, nest, leaf.place);
+        let (own, around) = (self.assembly.own(leaf), OnceCell::new());
+        let near = |x: DVec3| {
+            let squared = own(x);
+            if squared <= enough * enough {
+                return squared;
+            }
+            // Where the surface slides, the foot may lie beyond the leaf's own triangles.
+            let around: &Vec<Facet> = around.get_or_init(|| self.assembly.beyond(&self.around, leaf));
+            around.iter().map(|facet| facet.squared(x)).fold(squared, f64::min)
+        };
+        let there = sampled.farthest(&self.weights, near);
+        let farthest = there.or(sampled.farthest_back(&self.assembly.pieces(leaf), enough, sharp));
+        // A distance beyond may be to a triangle that is quartered next.
+        Measured { farthest, alone: around.get().is_none() && !is_beyond(&farthest, enough) }
+    }
+
+    /// No point of a leaf is farther from the triangles than this, or the other way round; infinite where
+    /// no polynomial tells.
+    fn bound(&self, nest: &mut Nest<'a>, leaf: &Leaf) -> f64 {
+        let spot = nest.spot(leaf.place.level, leaf.place.code);
+        let Some(quartic) = nest.quartic(spot) else { return f64::INFINITY };
+        let (deviation, first) = Inner::new(leaf.place, spot.level).deviation(quartic);
+        let turned = |w: [f64; 3]| core::array::from_fn(|c| w[(first + c) % 3]);
+        let of_piece = |(t, piece): (u32, &Piece)| {
+            let deviation = deviation.of_piece(piece.map(|(_, w)| turned(w)));
+            let straight = deviation.greatest();
+            if straight <= self.chord { straight } else { straight.min(self.sliding(&deviation, t)) }
+        };
+        self.assembly.triangles_of(leaf).zip(&self.assembly.pieces(leaf)).map(of_piece).fold(0.0, f64::max)
+    }
+
+    /// The same for the part of a leaf over triangle `t`, which it stands off by `deviation`, where the
+    /// surface slides along the triangle: what its heights bound.
+    ///
+    /// A foot beyond an edge is over a neighbour, or over another triangle at a corner, and as high over
+    /// that as over this, but for how far it is beyond, times the sine of the angle between the two. Nor is
+    /// any point of a triangle farther off: the surface over the triangles around hangs together, and so
+    /// do its feet, which leave none of the triangle out. Over a border there is no neighbour.
+    fn sliding(&self, deviation: &Deviation, t: u32) -> f64 {
+        let corners = self.assembly.corners(t);
+        let normal = self.normals[t as usize];
+        if normal == DVec3::ZERO {
+            return f64::INFINITY;
+        }
+        let mut bend = 0.0_f64;
+        for v in self.assembly.triangle(t) {
+            let Some(fan) = self.around.whole(v) else { return f64::INFINITY };
+            for &other in fan {
+                let sine = normal.cross(self.normals[other as usize]).length();
+                // A triangle that faces away is no neighbour to slide to; nor is one without a normal.
+                let turned = normal.dot(self.normals[other as usize]) <= 0.0;
+                bend = bend.max(if turned { f64::INFINITY } else { sine });
+            }
+        }
+        let beyond = (0..3).map(|e| {
+            let along = corners[(e + 1) % 3] - corners[e];
+            deviation.along(along.cross(normal).normalize_or_zero())
+        });
+        deviation.along(normal) + bend * beyond.fold(0.0, f64::max)
+    }
+}
