@@ -178,7 +178,7 @@ mod tests {
                 let deviation = Deviation::new(&quartic, at, size);
                 let (bound, found) = (deviation.greatest(), sampled(&quartic, corners(at, size)));
                 assert!(found <= bound * (1.0 + 1e-12), "{seed} {at:?}: {found} beyond {bound}");
-                assert!(found > 0.25 * bound, "{seed} {at:?}: {found} is far below {bound}");
+                assert!(found > 0.125 * bound, "{seed} {at:?}: {found} is far below {bound}");
             }
         }
     }
@@ -214,7 +214,7 @@ mod tests {
                 let bound = Deviation::new(&quartic, at, size).along(direction);
                 let found = sampled(&flat, corners(at, size));
                 assert!(found <= bound * (1.0 + 1e-12), "{seed} {at:?}: {found} beyond {bound}");
-                assert!(found > 0.25 * bound, "{seed} {at:?}: {found} is far below {bound}");
+                assert!(found > 0.125 * bound, "{seed} {at:?}: {found} is far below {bound}");
             }
         }
     }
@@ -243,10 +243,11 @@ mod tests {
         for seed in 0..20 {
             let mut quartic = rough(seed);
             quartic.coefficients.iter_mut().for_each(|c| *c *= DVec3::Z);
-            let size = 1.0 / 64.0;
-            let bound = Deviation::new(&quartic, [0.25, 0.25], size).greatest();
-            let found = sampled(&quartic, corners([0.25, 0.25], size));
-            assert!(found > 0.95 * bound && found <= bound * (1.0 + 1e-9), "{seed}: {found} of {bound}");
+            for (size, share) in [(1.0 / 64.0, 0.9), (1.0 / 1024.0, 0.99)] {
+                let bound = Deviation::new(&quartic, [0.25, 0.25], size).greatest();
+                let found = sampled(&quartic, corners([0.25, 0.25], size));
+                assert!(found > share * bound && found <= bound * (1.0 + 1e-9), "{seed}: {found} of {bound}");
+            }
         }
     }
 }

@@ -27,7 +27,9 @@ pub fn evaluate(subject: &Subject, names: &Names, normals: Normals) -> Triangles
     let corners = map_in_order(names.corner_count(), |v| {
         let h = corner_halfedge(mesh, VertexId::new(v));
         let origin = on_halfedge(h, 0.0);
-        let vertex = Evaluator::new(subject, origin.face).vertex(origin, normals);
+        let mut vertex = Evaluator::new(subject, origin.face).vertex(origin, normals);
+        // A face knows one of the lines that meet in a corner; the point is that of the older.
+        vertex.position = subject.limit.on_border(VertexId::new(v)).unwrap_or(vertex.position);
         // A face's derivatives say less there: a smooth border vertex has one normal, its faces any angle.
         match (normals, subject.limit.normal_at(h)) {
             (Normals::Without, _) | (_, DVec3::ZERO) => vertex,

@@ -1,6 +1,7 @@
 //! What comes out, measured by nothing that made it.
 
 use std::collections::HashSet;
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use selvedge_components::evaluate::{Evaluate, SurfacePoint};
@@ -12,7 +13,6 @@ use selvedge_systems::closest::Search;
 use selvedge_systems::parallel::map_in_order;
 use selvedge_systems::subdivision::limit::LimitSurface;
 use selvedge_systems::subdivision::{chain, region};
-use selvedge_systems::triangulate::{Density, TriangulateOptions, triangulate};
 
 use super::TrimSceneError;
 use super::run::Trimmed;
@@ -91,30 +91,32 @@ pub fn curve_samples_exact(surface: &LoopSurface, triangles: &Triangles, level: 
     inner.is_subset(&open) && open.difference(&curves).count() <= plain
 }
 
-/// Compares both surfaces where nothing should have changed: have all such faces the same limit points,
-/// bit for bit, two levels down, each surface triangulated by itself? Where the whole cage was refined
-/// first, so that none of them is a face of the given cage any more: have their corners the
-/// effective control points that subdividing the given cage makes?
+/// Compares both limit surfaces where nothing should have changed: does every such face, evaluated by
+/// itself on either surface, have the same points, bit for bit, at the corners of its quarters' quarters
+/// and as many places within? Where the whole cage was refined first, so that none of them is a face of the
+/// given cage any more: have their corners the effective control points that subdividing the given cage
+/// makes?
 ///
 /// # Errors
-/// If one of them cannot be triangulated.
+/// If one of them cannot be evaluated.
 pub fn outside_is_identical(trimmed: &Trimmed) -> Result<bool, TrimSceneError> {
     // Where the whole cage was refined first, all leaves beyond are of that level.
     let base = trimmed.untouched().next().map_or(0, |f| f.1);
     if base > 0 {
         return Ok(outside_is_subdivided(trimmed, base));
     }
-    const DEEP: u32 = 2;
-    let options = TriangulateOptions { density: Density::Level(DEEP), ..TriangulateOptions::default() };
-    let now = triangulate(&trimmed.surface, &options)?.triangles;
-    let then = triangulate(&trimmed.ground.surface, &options)?.triangles;
-    // Triangles stand by root face, then along the path of quarters, as codes do.
-    let count = 1_usize << (2 * DEEP);
-    let bits = |made: &Triangles, triangle: usize| {
-        made.triangles[triangle].map(|v| made.positions[v as usize].to_array().map(f64::to_bits))
-    };
-    let same = |face: FaceId, code: FaceCode| {
-        (0..count).all(|k| bits(&now, count * face.index() + k) == bits(&then, count * code.0 as usize + k))
+    const STEPS: u32 = 4;
+    let limit = LimitSurface::new(Arc::clone(&trimmed.surface))?;
+    let given = trimmed.ground.limit();
+    let mut draw = Draw(0x0b17_5e7a);
+    let mut places: Vec<DVec2> = (0..=STEPS)
+        .flat_map(|i| (0..=STEPS - i).map(move |j| DVec2::new(f64::from(i), f64::from(j)) / f64::from(STEPS)))
+        .collect();
+    places.extend((0..places.len()).map(|_| draw.place()).collect::<Vec<_>>());
+    let same = |now: FaceId, code: FaceCode| {
+        let then = code.root_face(0);
+        let at = |face, st| SurfacePoint { face, st };
+        places.iter().all(|&st| bits(limit.position(at(now, st))) == bits(given.position(at(then, st))))
     };
     Ok(trimmed.untouched().all(|(face, level, code)| level == 0 && same(face, code)))
 }

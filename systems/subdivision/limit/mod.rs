@@ -186,6 +186,14 @@ impl LimitSurface {
         DVec3::ZERO
     }
 
+    /// The point of a given border at one of its root vertices, to the bit: where two lines meet, that of
+    /// the older. `None` anywhere else.
+    pub fn on_border(&self, v: VertexId) -> Option<DVec3> {
+        let mesh = &self.levels.first()?.level.mesh;
+        let vertex = mesh.vertices.get(v.index())?;
+        matches!(vertex.kind, Kind::Given(_)).then(|| mesh.sample(v.0))
+    }
+
     /// The finest kept face at a place, and the way there.
     #[inline]
     fn find(&self, at: SurfacePoint) -> Option<(Found<'_>, Descent)> {
