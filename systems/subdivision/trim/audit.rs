@@ -49,6 +49,11 @@ pub struct TrimAuditWork {
     found: TrimAudit,
 }
 
+/// Is a distance within another? One that is no number is not within any.
+fn is_within(distance: f64, other: f64) -> bool {
+    distance <= other
+}
+
 impl TrimAuditWork {
     /// Begins to measure `surface`, the fitted form of `remeshed`, against `ground`.
     ///
@@ -123,9 +128,8 @@ impl TrimAuditWork {
             if let Some((level, code, source)) = &mut source {
                 off = x.distance(position(source, on_root(*level, *code, weights)));
             }
-            // The place with the same weights is no nearer than the foot. A distance that is no number
-            // is not within any.
-            if !(off <= found.to_source) {
+            // The place with the same weights is no nearer than the foot.
+            if !is_within(off, found.to_source) {
                 off = self.to_source(self.start(face, origin, weights), x, found.to_source);
             }
             farther(&mut found, &TrimAudit { to_source: off, to_source_at: x, samples: 1, ..TrimAudit::default() });
@@ -133,7 +137,7 @@ impl TrimAuditWork {
                 let aside = draw.weights_near(weights);
                 let y = position(source, on_root(*level, *code, aside));
                 let mut off = y.distance(result.position(result.root(), aside));
-                if !(off <= found.to_result) {
+                if !is_within(off, found.to_result) {
                     off = self.to_result(SurfacePoint::new(face, aside[1], aside[2]), y, found.to_result);
                 }
                 farther(&mut found, &TrimAudit { to_result: off, to_result_at: y, samples: 1, ..TrimAudit::default() });
