@@ -54,14 +54,11 @@ impl FitWork {
             return Ok(self.quasi(boundary, corner));
         }
         let open = &mut self.open;
-        let solve = match &mut open.solve {
-            Some(solve) => solve,
-            None => {
-                let matrix =
-                    response(&open.fit_rows, &open.steps[0], &open.movable, open.levels[0].mesh.vertices.len());
-                let residuals = core::mem::take(&mut open.residuals);
-                open.solve.insert(Solve::new(matrix, open.movable.len(), residuals))
-            }
+        let Some(solve) = &mut open.solve else {
+            let matrix = response(&open.fit_rows, &open.steps[0], &open.movable, open.levels[0].mesh.vertices.len());
+            let residuals = core::mem::take(&mut open.residuals);
+            open.solve = Some(Solve::new(matrix, open.movable.len(), residuals));
+            return Ok(Quantum::More);
         };
         if solve.step() {
             return Ok(Quantum::More);
@@ -152,13 +149,26 @@ pub fn response(limit: &LimitRows, step: &Step, movable: &[u32], vertices: usize
 
 /// The transpose; entries of its rows ascend.
 fn transpose(matrix: &Rows, columns: usize) -> Rows {
-    let mut lists: Vec<Vec<(u32, f64)>> = vec![Vec::new(); columns];
+    let mut ends = vec![0_usize; columns + 1];
+    for r in 0..matrix.len() {
+        matrix.row(r).0.iter().for_each(|&c| ends[c as usize + 1] += 1);
+    }
+    (0..columns).for_each(|c| ends[c + 1] += ends[c]);
+    // Filled from its beginning, each list ends where the next one began.
+    let mut entries = vec![(0, 0.0); ends[columns]];
     for r in 0..matrix.len() {
         let (cs, ws) = matrix.row(r);
-        cs.iter().zip(ws).for_each(|(&c, &w)| lists[c as usize].push((r as u32, w)));
+        for (&c, &w) in cs.iter().zip(ws) {
+            entries[ends[c as usize]] = (r as u32, w);
+            ends[c as usize] += 1;
+        }
     }
     let mut out = Rows::new();
-    lists.into_iter().for_each(|row| out.push(row));
+    let mut begin = 0;
+    for &end in &ends[..columns] {
+        out.push(entries[begin..end].iter().copied());
+        begin = end;
+    }
     out
 }
 

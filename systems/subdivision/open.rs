@@ -64,6 +64,8 @@ struct Rings {
     /// Two rings around the influenced ones: whole rings around every vertex of these, two levels finer.
     rim: Vec<FaceCode>,
     held: Vec<FaceCode>,
+    /// The faces of level `j + 1` that are subdivided, by their place in its mesh.
+    quarters: Vec<u32>,
 }
 
 /// What is made next.
@@ -72,6 +74,7 @@ enum Part {
     Rings,
     Base,
     Finer,
+    Quarters,
     FinestMesh,
     FinestStep,
     FinestState,
@@ -79,7 +82,7 @@ enum Part {
     /// From this vertex on.
     TestRows(usize),
     Movable,
-    Nothing,
+    Ready,
 }
 
 /// Vertices whose rows are made in one step: some milliseconds.
@@ -108,11 +111,15 @@ impl Opening {
             }
             Part::Finer => {
                 (*finer, steps[0]) = chain::refine(surface, corners, details, base, &local(&base.mesh, &rings.rim));
+                Part::Quarters
+            }
+            Part::Quarters => {
+                let quarters = region::neighbourhood(&surface.mesh, *level + 1, &region::children(&open.influenced));
+                rings.quarters = local(&finer.mesh, &quarters);
                 Part::FinestMesh
             }
             Part::FinestMesh => {
-                let quarters = region::neighbourhood(&surface.mesh, *level + 1, &region::children(&open.influenced));
-                finest.mesh = finer.mesh.refine(surface, &local(&finer.mesh, &quarters));
+                finest.mesh = finer.mesh.refine(surface, &rings.quarters);
                 Part::FinestStep
             }
             Part::FinestStep => {
@@ -144,11 +151,11 @@ impl Opening {
                 open.hints = vec![None; open.fit_rows.vertices.len()];
                 open.test_hints = vec![None; open.test_rows.vertices.len()];
                 open.list_active();
-                Part::Nothing
+                Part::Ready
             }
-            Part::Nothing => return None,
+            Part::Ready => return Some(core::mem::take(open)),
         };
-        matches!(self.next, Part::Nothing).then(|| core::mem::take(&mut self.open))
+        None
     }
 }
 
@@ -164,7 +171,7 @@ impl Rings {
         if level > 0 {
             held = region::children(&region::parents(&held));
         }
-        (Self { around, rim, held }, influenced)
+        (Self { around, rim, held, quarters: Vec::new() }, influenced)
     }
 }
 
