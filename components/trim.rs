@@ -97,7 +97,8 @@ pub struct Junction {
 /// the faces around vertices whose ring is not what it was.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Omega {
-    /// Nothing: the least change and the fewest details for a tolerance.
+    /// Nothing: the least change and the fewest details for a tolerance. Where the tolerance is not met so,
+    /// the neighbours are taken after all.
     #[default]
     Changed,
     /// The neighbours of `T`, as in the paper: the least error for a level, above all for level 0.

@@ -1,7 +1,7 @@
 //! # Contours: the borders that the curves together make
 //!
 //! Where curves cross they are cut into pieces. A piece stays if what is on its left stays
-//! ([`sets`](super::sets)); the pieces that stay follow each other from crossing to crossing, and
+//! (`sets`); the pieces that stay follow each other from crossing to crossing, and
 //! make up contours that run round or from border to border. Everything after works contour by
 //! contour: each is one curve of one parameter, with a corner at each junction.
 

@@ -16,7 +16,7 @@ use selvedge_components::evaluate::Evaluate;
 use selvedge_components::subdivision::FaceCode;
 use selvedge_components::subdivision::remesh::{PreImageError, RemeshError};
 use selvedge_components::tolerance::Tolerance;
-use selvedge_components::trim::{PreImagePoint, PreImages, TrimFault, TrimOptions, TrimQuantum, TrimStage};
+use selvedge_components::trim::{Omega, PreImagePoint, PreImages, TrimFault, TrimOptions, TrimQuantum, TrimStage};
 
 use super::ground::{Ground, diagonal};
 use super::zone::reserve;
@@ -138,6 +138,12 @@ impl LocateWork {
     /// The root faces that the trim may change, ascending, once it is located.
     pub fn reserved(&self) -> &[FaceCode] {
         &self.reserved
+    }
+
+    /// The fit needs more faces than those that the remeshing changes.
+    pub fn fit_more(&mut self) {
+        Arc::make_mut(&mut self.found).options.omega = Omega::Neighbourhood;
+        self.widen();
     }
 
     /// The trim changes more than is reserved: reserves one ring more.

@@ -422,11 +422,37 @@ impl TrimWork {
     /// # Errors
     /// As the stages do, [`TrimFault::NotReached`] when the fit ends above its tolerance.
     pub fn run(&mut self, budgets: &Budgets) -> Result<FitWork, Blamed> {
+        let (given, members) = (Arc::clone(&self.ground), self.members.clone());
+        match self.run_once(budgets) {
+            Err(blamed) if self.may_fit_more(&blamed.why) => {
+                let mut wider = Self::new(given, members, core::mem::take(&mut self.reserved));
+                wider.options.omega = Omega::Neighbourhood;
+                *self = wider;
+                self.run_once(budgets)
+            }
+            done => done,
+        }
+    }
+
+    /// Has a fit failed for want of faces that it may change, where more are to be had?
+    pub fn may_fit_more(&self, why: &TrimFault) -> bool {
+        let short = matches!(why, TrimFault::NotReached { outcome: Outcome::OutOfReach { .. } });
+        short && self.options.omega == Omega::Changed
+    }
+
+    fn run_once(&mut self, budgets: &Budgets) -> Result<FitWork, Blamed> {
+        let (given, members) = (Arc::clone(&self.ground), self.members.clone());
         let mut stage = TrimStage::Remesh;
         while stage != TrimStage::Fit {
-            let step = if stage == TrimStage::Relax { self.relax(budgets)? } else { self.remesh()? };
-            if let TrimQuantum::Next(next) = step {
-                stage = next;
+            match if stage == TrimStage::Relax { self.relax(budgets)? } else { self.remesh()? } {
+                TrimQuantum::Next(next) => stage = next,
+                TrimQuantum::Widen => {
+                    let omega = self.options.omega;
+                    *self = Self::on_all(Arc::clone(&given), members.clone());
+                    self.options.omega = omega;
+                    stage = TrimStage::Remesh;
+                }
+                TrimQuantum::More | TrimQuantum::Finished => {}
             }
         }
         // Remeshing has just begun a fit.

@@ -22,6 +22,7 @@ enum Step {
     Fit(Stage),
     Audit,
     Widen,
+    FitMore,
     Finish,
     Fail(TrimFault),
 }

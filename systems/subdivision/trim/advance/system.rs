@@ -35,6 +35,8 @@ enum End {
     Finished(Option<Box<TrimReport>>, Vec<Option<OtherReport>>),
     /// They change more than was thought.
     Widen,
+    /// Their fit needs more faces.
+    FitMore,
     /// This one has failed.
     Failed(Entity, TrimFailed),
 }
@@ -58,6 +60,10 @@ pub fn advance_trims(
         };
         run.counted.items += 1;
         run.counted.written += u64::from(step != Step::Stay);
+        let step = match step {
+            Step::Fail(why) if work.as_ref().is_some_and(|work| work.may_fit_more(&why)) => Step::FitMore,
+            step => step,
+        };
         match step {
             Step::Stay => {}
             Step::Located => {
@@ -83,6 +89,7 @@ pub fn advance_trims(
                 commands.entity(entity).try_remove::<(AtCorrespond, AtModify, AtRefine)>().try_insert(AtAudit);
             }
             Step::Widen => ends.push((job.together.clone(), End::Widen)),
+            Step::FitMore => ends.push((job.together.clone(), End::FitMore)),
             Step::Finish => {
                 let Some((work, fit)) = work.zip(fit) else { continue };
                 deliver(&mut commands, &mut details, entity, entity, fit);
@@ -111,28 +118,31 @@ pub fn advance_trims(
             }
         }
     }
-    let mut failed = EntityHashSet::default();
+    let mut undone = EntityHashSet::default();
     for (together, end) in ends {
         match end {
             End::Finished(report, others) => {
                 finish(&mut commands, &mut trims, &together, report.as_deref(), others);
             }
-            End::Widen => {
+            End::Widen | End::FitMore => {
                 for &trim in &together {
-                    if let Ok((.., Some(mut located))) = trims.get_mut(trim) {
-                        located.widen();
+                    match trims.get_mut(trim) {
+                        Ok((.., Some(mut located))) if matches!(end, End::FitMore) => located.fit_more(),
+                        Ok((.., Some(mut located))) => located.widen(),
+                        _ => {}
                     }
                 }
+                undone.extend(together.iter().copied());
                 break_off(&mut commands, &mut trims, &together, None);
             }
             End::Failed(blamed, why) => {
-                failed.extend(together.iter().copied());
+                undone.extend(together.iter().copied());
                 break_off(&mut commands, &mut trims, &together, Some(blamed));
                 commands.entity(blamed).try_remove::<FailedTraces>().try_insert(why);
             }
         }
     }
-    discard(&mut commands, &failed, details.iter().map(|(detail, .., of)| (detail, of.0)));
+    discard(&mut commands, &undone, details.iter().map(|(detail, .., of)| (detail, of.0)));
     if let Some(mut diagnostics) = diagnostics {
         diagnostics.advance += run.finish();
     }
