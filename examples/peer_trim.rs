@@ -105,7 +105,7 @@ mod peer {
         for n in [22, 71, 224] {
             let surface = wavy::endless(n, SQUARE)?;
             for count in [1, 8, 64] {
-                let mut engine = wavy::engine(&surface, &wavy::even_bores(count), eps)?;
+                let mut engine = wavy::engine(&surface, &wavy::even_bores(count, f64::from(n) * SQUARE), eps)?;
                 let start = processor_time()?;
                 wavy::finish(&mut engine);
                 let all = (processor_time()? - start).as_secs_f64();
@@ -126,7 +126,7 @@ mod peer {
         let surface = wavy::endless(22, SQUARE)?;
         let mut walls = Vec::new();
         for threads in [1, 2] {
-            let mut engine = wavy::engine(&surface, &wavy::even_bores(64), eps)?;
+            let mut engine = wavy::engine(&surface, &wavy::even_bores(64, SIZE), eps)?;
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
             let (start, cpu) = (Instant::now(), processor_time()?);
             pool.install(|| wavy::finish(&mut engine));

@@ -201,7 +201,7 @@ impl Bvh {
     /// Visits the boxes that the line `origin + t direction` may meet for `t` in `range`, roughly in
     /// the order of `t`. `visit` gets a box and the range's end so far and returns the new one.
     pub fn along(&self, origin: DVec3, direction: DVec3, range: [f64; 2], mut visit: impl FnMut(u32, f64) -> f64) {
-        let line = Line { origin: (origin - self.origin) * self.scale, direction: direction * self.scale };
+        let line = Line::new((origin - self.origin) * self.scale, direction * self.scale);
         let [begin, mut end] = range;
         let mut stack = Stack::new();
         let entry = |n: u32, end: f64| line.entry(&self.nodes[n as usize].bounds(), begin, end);
@@ -293,24 +293,30 @@ impl Bounds {
 
 struct Line {
     origin: DVec3,
-    direction: DVec3,
+    /// One over the direction's coordinates; infinite where the line runs across an axis.
+    inverse: DVec3,
 }
 
 impl Line {
+    fn new(origin: DVec3, direction: DVec3) -> Self {
+        Self { origin, inverse: direction.recip() }
+    }
+
     /// Where the line enters `bounds` within `[begin, end]`.
+    #[inline]
     fn entry(&self, bounds: &Bounds, begin: f64, end: f64) -> Option<f64> {
         let (mut enter, mut leave) = (begin, end);
         for axis in 0..3 {
-            let (o, d) = (self.origin[axis], self.direction[axis]);
+            let (o, inverse) = (self.origin[axis], self.inverse[axis]);
             let (low, high) = (bounds.min[axis], bounds.max[axis]);
-            if d == 0.0 {
+            if inverse.is_infinite() {
                 if o < low || o > high {
                     return None;
                 }
                 continue;
             }
-            let (a, b) = ((low - o) / d, (high - o) / d);
-            // Two roundings each, taken outward.
+            let (a, b) = ((low - o) * inverse, (high - o) * inverse);
+            // Three roundings each, taken outward.
             let slack = 4.0 * f64::EPSILON;
             enter = enter.max(a.min(b) - slack * a.min(b).abs());
             leave = leave.min(a.max(b) + slack * a.max(b).abs());

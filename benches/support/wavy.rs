@@ -137,10 +137,10 @@ fn lattice(n: u32, square: f64, height: impl Fn(f64, f64) -> f64) -> Result<Loop
     Ok(LoopSurface::plain(mesh, points, &corners))
 }
 
-/// The first `count` of 64 bores of 12 mm, evenly over the plate.
-pub fn even_bores(count: usize) -> Vec<Bore> {
-    let at = |k: usize| SIZE * (k as f64 + 0.5) / 8.0;
-    (0..count.min(64)).map(|k| [at(k * 27 % 64 / 8), at(k * 27 % 64 % 8), 0.012]).collect()
+/// The first `count` of 64 bores of 12 mm, evenly over a square of 0.4 m in the middle of a plate of `size`.
+pub fn even_bores(count: usize, size: f64) -> Vec<Bore> {
+    let at = |k: usize| 0.5 * (size - SIZE) + SIZE * (k as f64 + 0.5) / 8.0;
+    (0..count.min(64)).map(|k| k * 27 + 28).map(|k| [at(k % 64 / 8), at(k % 8), 0.012]).collect()
 }
 
 /// A surface, ready to have curves carried onto it.

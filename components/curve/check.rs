@@ -3,8 +3,9 @@
 use glam::DVec3;
 use thiserror::Error;
 
+use super::corners::{SAMPLES, find_corners_among, parameter};
 use super::guard::{catch, evaluate};
-use super::{CORNER_TURN, Curve, CurveError, Extent, find_corners, turn};
+use super::{CORNER_TURN, Curve, CurveError, Extent, turn};
 
 /// What a curve must keep to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,9 +91,6 @@ pub enum CurveFault {
     },
 }
 
-/// How many intervals the curve is sampled over.
-const SAMPLES: u32 = 256;
-
 /// Every fault of `curve`: first of its list of corners, then of its evaluation, then of its shape.
 /// Empty for a sound curve. A corner that is not declared is no fault, but is looked at for a cusp.
 ///
@@ -125,15 +123,11 @@ pub fn faults(curve: &dyn Curve, check: &Check) -> Vec<CurveFault> {
         let points: Vec<DVec3> = samples.into_iter().flatten().collect();
         found.extend(still_faults(curve, &points));
         found.extend(end_faults(&points, closed, check));
-        found.extend(cusps(curve, &corners, check.cusp));
+        found.extend(cusps(curve, &points, &corners, check.cusp));
     } else {
         found.extend(failures);
     }
     found
-}
-
-fn parameter(k: u32) -> f64 {
-    f64::from(k) / f64::from(SAMPLES)
 }
 
 fn corner_faults(corners: &[f64], closed: bool) -> Vec<CurveFault> {
@@ -222,14 +216,14 @@ fn end_faults(points: &[DVec3], closed: bool, check: &Check) -> Vec<CurveFault> 
 }
 
 /// Cusps at corners, declared or found.
-fn cusps(curve: &dyn Curve, declared: &[f64], limit: f64) -> Vec<CurveFault> {
+fn cusps(curve: &dyn Curve, samples: &[DVec3], declared: &[f64], limit: f64) -> Vec<CurveFault> {
     let mut corners: Vec<(f64, f64)> = Vec::new();
     for &u in declared.iter().filter(|u| (0.0..1.0).contains(*u)) {
         if let Ok(Some(by)) = catch(|| turn(curve, u)) {
             corners.push((u, by));
         }
     }
-    match find_corners(curve, CORNER_TURN) {
+    match find_corners_among(curve, samples, CORNER_TURN) {
         // A corner found within the width at which it was found is the declared one.
         Ok(found) => corners.extend(
             found

@@ -9,6 +9,9 @@ use super::{Curve, CurveError, angle, wrap};
 /// notch has, are told apart if they are farther apart than that.
 const COARSEST: u32 = 8;
 
+/// How many intervals a curve is sampled over: the first windows.
+pub(super) const SAMPLES: u32 = 1 << COARSEST;
+
 /// From windows `2^-20` of the parameter wide on, what keeps turning is a corner: a rounding of a
 /// corner that tight is far below any sampling of the curve.
 const FINE: u32 = 20;
@@ -67,7 +70,13 @@ pub struct Corner {
 /// [`CurveError::NotFinite`] or [`CurveError::Panicked`]; [`CurveError::Rough`] for a curve that
 /// turns by `turn` nearly everywhere, whatever the width.
 pub fn find_corners(curve: &dyn Curve, turn: f64) -> Result<Vec<Corner>, CurveError> {
-    let mut search = Search { curve, closed: curve.closed(), turn, rounding: f64::EPSILON };
+    let samples: Vec<DVec3> = (0..=SAMPLES).map(|k| evaluate(curve, parameter(k))).collect::<Result<_, _>>()?;
+    find_corners_among(curve, &samples, turn)
+}
+
+/// As [`find_corners`], where the curve's points at all [`parameter`]s are known.
+pub(super) fn find_corners_among(curve: &dyn Curve, samples: &[DVec3], turn: f64) -> Result<Vec<Corner>, CurveError> {
+    let mut search = Search { curve, samples, closed: curve.closed(), turn, rounding: f64::EPSILON };
     search.rounding = search.precision()?;
     let groups = search.groups()?;
     let mut corners = Vec::with_capacity(groups.len());
@@ -79,9 +88,16 @@ pub fn find_corners(curve: &dyn Curve, turn: f64) -> Result<Vec<Corner>, CurveEr
     Ok(corners)
 }
 
+/// The parameter of sample `k` of [`SAMPLES`].
+pub(super) fn parameter(k: u32) -> f64 {
+    f64::from(k) / f64::from(SAMPLES)
+}
+
 #[derive(Clone, Copy)]
 struct Search<'a> {
     curve: &'a dyn Curve,
+    /// Its points at all [`parameter`]s: the ends of the first windows.
+    samples: &'a [DVec3],
     closed: bool,
     turn: f64,
     /// The relative rounding of the curve's coordinates.
@@ -274,6 +290,12 @@ impl Search<'_> {
 
     fn at(&self, u: f64) -> Result<DVec3, CurveError> {
         let inside = if self.closed { wrap(u) } else { u.clamp(0.0, 1.0) };
+        let sample = inside * f64::from(SAMPLES);
+        if sample.fract() == 0.0
+            && let Some(&known) = self.samples.get(sample as usize)
+        {
+            return Ok(known);
+        }
         evaluate(self.curve, inside)
     }
 }

@@ -26,6 +26,9 @@ pub struct FitOptions {
     pub storage: Storage,
     /// The most details that may be stored.
     pub most_details: usize,
+    /// A level that leaves more than this share of the greatest distance that the one before it has left
+    /// ends the fit as [`Outcome::Stalled`]; `None` goes on to the last level.
+    pub stalled_at: Option<f64>,
 }
 
 impl Default for FitOptions {
@@ -37,6 +40,7 @@ impl Default for FitOptions {
             region: Region::Whole,
             storage: Storage::F64,
             most_details: 4_000_000,
+            stalled_at: None,
         }
     }
 }
@@ -177,6 +181,13 @@ pub enum Outcome {
         /// Where.
         at: DVec3,
     },
+    /// The last level has gained too little: see [`FitOptions::stalled_at`].
+    Stalled {
+        /// Greatest distance left.
+        achieved: f64,
+        /// Where.
+        at: DVec3,
+    },
     /// Patches that the region does not let move are too far off.
     OutOfReach {
         /// Greatest distance left.
@@ -191,6 +202,7 @@ impl fmt::Display for Outcome {
         match self {
             Self::Within => write!(f, "within the tolerance"),
             Self::LevelsSpent { achieved, at } => write!(f, "the last level is in and {achieved} is left at {at}"),
+            Self::Stalled { achieved, at } => write!(f, "levels gain little now and {achieved} is left at {at}"),
             Self::OutOfReach { achieved, at } => {
                 write!(f, "{achieved} is left at {at}, where the region lets nothing move")
             }

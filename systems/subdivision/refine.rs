@@ -79,8 +79,17 @@ impl FitWork {
         if spent || patches.iter().all(|p| p.1 <= self.limit()) {
             return Ok(self.finish(self.judgement((rung.max, rung.max_at))));
         }
+        if self.is_stalled() {
+            return Ok(self.finish(Outcome::Stalled { achieved: rung.max, at: rung.max_at }));
+        }
         // A quantum of its own opens the next level; until then the rung can be looked at.
         Ok(Quantum::More)
+    }
+
+    /// Has the last level left too much of what the one before it had left?
+    fn is_stalled(&self) -> bool {
+        let Some(share) = self.options.stalled_at else { return false };
+        matches!(&self.ladder[..], [.., before, last] if last.max > share * before.max)
     }
 
     /// The error at which a patch is not good enough.

@@ -74,7 +74,7 @@ fn of_outcome(outcome: &selvedge_components::subdivision::fit::Outcome) -> Vec<D
     use selvedge_components::subdivision::fit::Outcome;
     match outcome {
         Outcome::Within => Vec::new(),
-        Outcome::LevelsSpent { at, .. } | Outcome::OutOfReach { at, .. } => vec![*at],
+        Outcome::LevelsSpent { at, .. } | Outcome::Stalled { at, .. } | Outcome::OutOfReach { at, .. } => vec![*at],
     }
 }
 

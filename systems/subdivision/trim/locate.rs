@@ -19,7 +19,7 @@ use selvedge_components::tolerance::Tolerance;
 use selvedge_components::trim::{Omega, PreImagePoint, PreImages, TrimFault, TrimOptions, TrimQuantum, TrimStage};
 
 use super::ground::{Ground, diagonal};
-use super::zone::reserve;
+use super::zone::{Extent, SidesMet, reserve};
 use crate::closest::Search;
 use crate::subdivision::region;
 use crate::subdivision::remesh::{Cut, Hints, PreImage, TraceOptions, trace_near};
@@ -61,6 +61,9 @@ pub struct LocateWork {
 /// vertices change; the limit surface changes over one more, and what is fitted over that one and
 /// another. What needs more says so, and is done again.
 const RINGS: u32 = 5;
+
+/// Of them, those in which the limit surface changes and no face is divided.
+const OUTER_RINGS: u32 = 2;
 
 impl LocateWork {
     /// Begins to locate `cuts` on `ground`.
@@ -157,7 +160,11 @@ impl LocateWork {
         // A small reach refines the whole cage.
         self.reserved = match self.found.options.reach {
             Some(_) => region::whole(&surface.mesh, 0),
-            None => reserve(surface, images, self.rings),
+            None => {
+                // Where the first guess was too small, nothing is taken to be out of reach.
+                let sides = if self.rings == RINGS { SidesMet::Divided } else { SidesMet::All };
+                reserve(surface, images, Extent { rings: self.rings, outer: OUTER_RINGS, sides })
+            }
         };
     }
 

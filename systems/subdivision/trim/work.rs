@@ -119,16 +119,18 @@ impl TrimWork {
         Ok(())
     }
 
-    /// Has the remeshing kept to the faces that are reserved? In a zone nothing else may change.
+    /// Has the remeshing kept to the faces that are reserved? In a zone nothing else may change, and of
+    /// the border what is not in it as a whole.
     fn keeps_to_its_zone(&self, remeshed: &Remeshed) -> bool {
         let Some(zone) = &self.zone else { return true };
-        remeshed.omega.iter().all(|face| match remeshed.face_origin[face.root_face(0).index()] {
+        let is_reserved = |face: &FaceCode| match remeshed.face_origin[face.root_face(0).index()] {
             FaceOrigin::Leaf { level, code } | FaceOrigin::Closure { level, code } => {
                 let root = zone.zone.faces[code.root_face(level).index()];
                 self.reserved.binary_search(&FaceCode::root(root)).is_ok()
             }
             FaceOrigin::Strip { .. } => true,
-        })
+        };
+        zone.keeps_partial_sides(&self.ground.surface, remeshed) && remeshed.omega.iter().all(is_reserved)
     }
 
     /// The source, ready to be searched.
@@ -436,7 +438,8 @@ impl TrimWork {
 
     /// Has a fit failed for want of faces that it may change, where more are to be had?
     pub fn may_fit_more(&self, why: &TrimFault) -> bool {
-        let short = matches!(why, TrimFault::NotReached { outcome: Outcome::OutOfReach { .. } });
+        let TrimFault::NotReached { outcome } = why else { return false };
+        let short = matches!(outcome, Outcome::OutOfReach { .. } | Outcome::Stalled { .. });
         short && self.options.omega == Omega::Changed
     }
 
@@ -469,9 +472,10 @@ impl TrimWork {
 /// Where something went wrong, if that is one place.
 fn place_of(why: &TrimFault) -> Option<DVec3> {
     match why {
-        TrimFault::NotReached { outcome: Outcome::LevelsSpent { at, .. } | Outcome::OutOfReach { at, .. } } => {
-            Some(*at)
-        }
+        TrimFault::NotReached { outcome } => match outcome {
+            Outcome::LevelsSpent { at, .. } | Outcome::Stalled { at, .. } | Outcome::OutOfReach { at, .. } => Some(*at),
+            Outcome::Within => None,
+        },
         TrimFault::Audit { faults } => faults.iter().find_map(|fault| match fault {
             TrimAuditFault::Distance { at, .. } | TrimAuditFault::OffCurve { at, .. } => Some(*at),
             _ => None,
@@ -504,6 +508,10 @@ fn strictest_options(a: &TrimOptions, b: &TrimOptions) -> TrimOptions {
     TrimOptions { last_level, samples, omega, reach, ..a.clone() }
 }
 
+/// Levels leave a quarter of the error or less, but where patches fail beside others that may not move.
+/// Those are closed in on by half-size steps, each of which leaves about half: freeing the others is cheaper.
+const STALLED: f64 = 0.4;
+
 /// How the cage that trims leave is fitted: over `omega`, and nowhere else.
 pub fn fit_options(
     options: &TrimOptions,
@@ -516,6 +524,7 @@ pub fn fit_options(
         tolerance: tolerance.map(|t| t.fit),
         last_level: options.last_level,
         region: Region::Faces(omega),
+        stalled_at: (options.omega == Omega::Changed).then_some(STALLED),
         storage: options.storage,
         most_details: usize::try_from(budgets.details).unwrap_or(usize::MAX),
     }

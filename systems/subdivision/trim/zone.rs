@@ -10,15 +10,42 @@ use super::rename::{Names, rename_details};
 use crate::subdivision::region;
 use crate::subdivision::remesh::PreImage;
 
-/// The root faces that trims with these pre-images may change: `rings` rings around the faces that
-/// the curves run through, and all along every side of the border that this meets, for a side is
-/// one curve and is worked on as a whole.
-pub fn reserve<'a>(surface: &LoopSurface, images: impl IntoIterator<Item = &'a PreImage>, rings: u32) -> Vec<FaceCode> {
+/// How far a trim is thought to change its source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Extent {
+    /// Rings of faces around those that the curves run through.
+    pub rings: u32,
+    /// Of them, the outer ones, which are not divided: what changes there is what the fit adds.
+    pub outer: u32,
+    /// Which sides of the border are taken in.
+    pub sides: SidesMet,
+}
+
+/// Which sides of the border a trim takes in: all along, for a side is one curve and is worked on as a
+/// whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SidesMet {
+    /// Those with an edge where faces are divided.
+    Divided,
+    /// Those that are met at all, and those that these meet.
+    All,
+}
+
+/// The root faces that trims with these pre-images may change.
+pub fn reserve<'a>(
+    surface: &LoopSurface,
+    images: impl IntoIterator<Item = &'a PreImage>,
+    Extent { rings, outer, sides }: Extent,
+) -> Vec<FaceCode> {
     let crossed = images.into_iter().flat_map(|image| &image.points).map(|p| FaceCode::root(p.at.face));
-    let mut reserved = grown(&surface.mesh, region::ascending(crossed.collect()), rings);
+    let divided = grown(&surface.mesh, region::ascending(crossed.collect()), rings.saturating_sub(outer));
+    let mut reserved = grown(&surface.mesh, divided.clone(), outer.min(rings));
     let mut met = vec![false; surface.sides.len()];
-    // A side that is taken in may reach others.
-    while let Some(s) = (0..met.len()).find(|&s| !met[s] && meets(&surface.mesh, &surface.sides[s], &reserved)) {
+    let next = |met: &[bool], reserved: &[FaceCode]| {
+        let near = if sides == SidesMet::All { reserved } else { &divided };
+        (0..met.len()).find(|&s| !met[s] && meets(&surface.mesh, &surface.sides[s], near))
+    };
+    while let Some(s) = next(&met, &reserved) {
         met[s] = true;
         let along = side_edges(&surface.mesh, &surface.sides[s]).map(|h| FaceCode::root(h.face()));
         reserved.extend(grown(&surface.mesh, region::ascending(along.collect()), 2));

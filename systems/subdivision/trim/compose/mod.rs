@@ -15,7 +15,7 @@ use bevy_ecs::prelude::Component;
 use glam::DVec3;
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
 use selvedge_components::subdivision::remesh::RemeshError;
-use selvedge_components::subdivision::{Address, Details, LoopSurface, NONE, Side};
+use selvedge_components::subdivision::{Address, Border, Details, LoopSurface, NONE, Side};
 use selvedge_components::trim::BorderLine;
 
 use super::rename::{Names, rename_details};
@@ -56,6 +56,24 @@ impl ZoneOf {
     fn whole(source: &LoopSurface) -> Self {
         let sides = (0..source.sides.len()).map(ZoneSide::Whole).collect();
         Self { zone: Zone::whole(&source.mesh), sides }
+    }
+
+    /// Is every side that is not in the zone as a whole as it was in `source`, the zone's surface, or
+    /// gone?
+    pub(super) fn keeps_partial_sides(&self, source: &LoopSurface, remeshed: &Remeshed) -> bool {
+        let is_whole = |s: usize| matches!(self.sides.get(s), Some(ZoneSide::Whole(_)));
+        remeshed.surface.sides.iter().zip(&remeshed.side_origin).all(|(side, origin)| match origin.line {
+            BorderLine::Side(s) if !is_whole(s) => {
+                let before = &source.sides[s];
+                side.ends == before.ends
+                    && side.edge_count() == before.edge_count()
+                    && matches!(
+                        (&side.border, &before.border),
+                        (Border::Plain, Border::Plain) | (Border::Given { .. }, Border::Given { .. })
+                    )
+            }
+            _ => true,
+        })
     }
 }
 
