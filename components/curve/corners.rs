@@ -1,5 +1,7 @@
 //! The corners of a black box, found from positions alone.
 
+use std::cell::RefCell;
+
 use glam::DVec3;
 
 use super::guard::evaluate;
@@ -76,7 +78,8 @@ pub fn find_corners(curve: &dyn Curve, turn: f64) -> Result<Vec<Corner>, CurveEr
 
 /// As [`find_corners`], where the curve's points at all [`parameter`]s are known.
 pub(super) fn find_corners_among(curve: &dyn Curve, samples: &[DVec3], turn: f64) -> Result<Vec<Corner>, CurveError> {
-    let mut search = Search { curve, samples, closed: curve.closed(), turn, rounding: f64::EPSILON };
+    let seen = RefCell::new([[Seen::NOTHING; 4]; LEVELS]);
+    let mut search = Search { curve, samples, seen: &seen, closed: curve.closed(), turn, rounding: f64::EPSILON };
     search.rounding = search.precision()?;
     let groups = search.groups()?;
     let mut corners = Vec::with_capacity(groups.len());
@@ -98,11 +101,28 @@ struct Search<'a> {
     curve: &'a dyn Curve,
     /// Its points at all [`parameter`]s: the ends of the first windows.
     samples: &'a [DVec3],
+    /// By level of windows, from the second on, the points looked at last.
+    seen: &'a RefCell<[[Seen; 4]; LEVELS]>,
     closed: bool,
     turn: f64,
     /// The relative rounding of the curve's coordinates.
     rounding: f64,
 }
+
+/// A point of the curve at an odd multiple of the width of the windows of a level: neighbouring windows,
+/// and those that halve them, ask for the same ones.
+#[derive(Clone, Copy)]
+struct Seen {
+    i: i64,
+    point: DVec3,
+}
+
+impl Seen {
+    const NOTHING: Self = Self { i: i64::MIN, point: DVec3::NAN };
+}
+
+/// The levels of windows that are halves of others.
+const LEVELS: usize = (FINEST - COARSEST) as usize;
 
 /// A stretch of the parameter and how much the curve turns there. On a closed curve it may lie
 /// beyond [0, 1].
@@ -189,7 +209,7 @@ impl Search<'_> {
             if looked_at > MOST_WINDOWS {
                 return Err(CurveError::Rough { u: from, windows: MOST_WINDOWS, turn: self.turn });
             }
-            let (angle, keeps) = match self.turning(from, width, self.turn)? {
+            let (angle, keeps) = match self.window_turning(level, i as i64)? {
                 None => (None, false),
                 Some(t) if t.is_at_least(self.turn) => {
                     (Some(t.angle), parent.is_some_and(|angle| t.angle >= KEPT * angle))
@@ -271,7 +291,40 @@ impl Search<'_> {
         if !self.closed && (start < 0.0 || end > 1.0) {
             return Ok(None);
         }
-        let [a, b, c, d] = [self.at(start)?, self.at(from)?, self.at(from + width)?, self.at(end)?];
+        let points = [self.at(start)?, self.at(from)?, self.at(from + width)?, self.at(end)?];
+        Ok(Some(self.turning_of(points, wanted)))
+    }
+
+    /// As [`Self::turning`], of window `i` of `2^level`.
+    fn window_turning(&self, level: u32, i: i64) -> Result<Option<Turning>, CurveError> {
+        if !self.closed && (i < 1 || i + 2 > 1 << level) {
+            return Ok(None);
+        }
+        let at = |i: i64| self.at_multiple(level, i);
+        Ok(Some(self.turning_of([at(i - 1)?, at(i)?, at(i + 1)?, at(i + 2)?], self.turn)))
+    }
+
+    /// The point at `i / 2^level`.
+    fn at_multiple(&self, mut level: u32, mut i: i64) -> Result<DVec3, CurveError> {
+        while level > COARSEST && i % 2 == 0 {
+            (level, i) = (level - 1, i / 2);
+        }
+        let u = i as f64 / (1_u64 << level) as f64;
+        if level == COARSEST {
+            return self.at(u);
+        }
+        // Four in a row fall on different places.
+        let (row, place) = ((level - COARSEST - 1) as usize, (i >> 1).rem_euclid(4) as usize);
+        let seen = self.seen.borrow()[row][place];
+        if seen.i == i {
+            return Ok(seen.point);
+        }
+        let point = self.at(u)?;
+        self.seen.borrow_mut()[row][place] = Seen { i, point };
+        Ok(point)
+    }
+
+    fn turning_of(&self, [a, b, c, d]: [DVec3; 4], wanted: f64) -> Turning {
         let [before, inside, after] = [b - a, c - b, d - c];
         // A chord between points that are each off by a rounding turns by twice that over its length.
         let rounding = 2.0 * self.rounding * a.length().max(d.length());
@@ -285,7 +338,7 @@ impl Search<'_> {
         };
         // At the origin of coordinates rounding and chords vanish together.
         let noise = if turning.noise.is_nan() { f64::INFINITY } else { turning.noise };
-        Ok(Some(Turning { noise, ..turning }))
+        Turning { noise, ..turning }
     }
 
     fn at(&self, u: f64) -> Result<DVec3, CurveError> {

@@ -80,15 +80,19 @@ pub fn check_curves(
 ) {
     let mut run = Counters::start();
     let before = core::mem::take(&mut *checked);
+    let mut checks = Vec::new();
     for (entity, space, failed) in &curves {
         let revision = caught(|| space.curve.revision()).ok();
         checked.insert(entity, revision);
-        if !space.is_changed() && before.get(&entity) == Some(&revision) {
+        if space.is_changed() || before.get(&entity) != Some(&revision) {
+            checks.push((entity, Arc::clone(&space.curve), failed, Vec::new()));
+        } else {
             run.counted.skipped += 1;
-            continue;
         }
-        run.counted.items += 1;
-        let faults = curve_faults(&*space.curve);
+    }
+    for_each(checks.iter_mut().collect(), |(_, curve, _, faults)| *faults = curve_faults(&**curve));
+    run.counted.items = checks.len() as u64;
+    for (entity, _, failed, faults) in checks {
         run.counted.written += u64::from(failed || !faults.is_empty());
         if faults.is_empty() {
             commands.entity(entity).try_remove::<CurveFailed>();

@@ -16,7 +16,7 @@ use super::assemble::{Around, Assembly, Leaf, LeafKey};
 use super::inner::Inner;
 use super::measure::Facet;
 use super::sample::{Farthest, Grid, Piece, Sampled};
-use crate::parallel::map_in_order;
+use crate::parallel::{map_dear_in_order, map_in_order};
 use crate::subdivision::limit::Nest;
 
 /// Of leaves that must be sampled anyway, distances up to this part of the chord are not told apart: what
@@ -100,7 +100,7 @@ impl<'a> Checker<'a> {
 
     /// What `of` makes of every leaf; leaves of one root face share its nest.
     fn by_root<R: Send>(&self, of: impl Fn(&mut Nest<'a>, usize) -> Option<R> + Sync + Send) -> Vec<Option<R>> {
-        let faces = map_in_order(self.subject.surface.mesh.face_count(), |f| {
+        let faces = map_dear_in_order(self.subject.surface.mesh.face_count(), |f| {
             let mut nest = Nest::new(&self.subject.limit, FaceId::new(f));
             self.assembly.leaves_of(f).map(|i| of(&mut nest, i)).collect::<Vec<_>>()
         });
@@ -133,7 +133,7 @@ impl<'a> Checker<'a> {
             let rest = open.split_off(open.len().min(count));
             open.sort_unstable_by(first);
             let leaf = |k: usize| &self.assembly.leaves[open[k].1];
-            let measured = map_in_order(open.len(), |k| {
+            let measured = map_dear_in_order(open.len(), |k| {
                 self.farthest(&mut Nest::new(&self.subject.limit, leaf(k).place.root()), leaf(k), most, most).farthest
             });
             for (&(_, i), measured) in open.iter().zip(measured) {

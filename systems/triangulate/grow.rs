@@ -17,7 +17,7 @@ use super::inner::Inner;
 use super::measure::{Facet, Over};
 use super::sample::{Grid, Place, Sampled};
 use super::{Subject, TriangulateError, TriangulateOptions, within_budget};
-use crate::parallel::map_in_order;
+use crate::parallel::map_dear_in_order;
 use crate::subdivision::limit::Nest;
 
 /// A leaf that is sampled passes where fifteen points find it closer than this part of the chord.
@@ -51,7 +51,7 @@ pub fn grow(
     let growth =
         Growth { subject, chord, options, weights: Grid::Quarters.weights(), leaves: forest.leaf_count().into() };
     let mut failing = vec![Vec::new(); options.last_level as usize];
-    for found in map_in_order(roots.len(), |i| growth.too_far(roots[i])) {
+    for found in map_dear_in_order(roots.len(), |i| growth.too_far(roots[i])) {
         found?.into_iter().for_each(|place| failing[place.level as usize].push(place.code));
     }
     within_budget(growth.leaves.into_inner(), options)?;

@@ -11,7 +11,7 @@ use selvedge_components::triangles::Triangles;
 
 use super::names::Names;
 use super::{Normals, Subject};
-use crate::parallel::map_in_order;
+use crate::parallel::{map_dear_in_order, map_in_order};
 use crate::subdivision::limit::Piece;
 
 #[derive(Clone, Copy)]
@@ -37,7 +37,7 @@ pub fn evaluate(subject: &Subject, names: &Names, normals: Normals) -> Triangles
         }
     });
     let first_edges = first_edges(mesh);
-    let faces = map_in_order(mesh.face_count(), |f| {
+    let faces = map_dear_in_order(mesh.face_count(), |f| {
         let face = FaceId::new(f);
         let evaluator = Evaluator::new(subject, face);
         let on_edges = (first_edges[f]..first_edges[f + 1]).flat_map(|e| {

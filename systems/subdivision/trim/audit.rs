@@ -18,7 +18,7 @@ use selvedge_components::trim::{TrimAudit, TrimAuditFault, TrimFault, TrimOption
 use super::ground::Ground;
 use crate::closest::SurfaceIndex;
 use crate::foot;
-use crate::parallel::map_in_order;
+use crate::parallel::map_dear_in_order;
 use crate::subdivision::limit::{LimitSurface, Nest};
 use crate::subdivision::remesh::{FaceOrigin, Remeshed};
 
@@ -93,7 +93,7 @@ impl TrimAuditWork {
     pub fn advance(&mut self) -> Result<TrimQuantum, TrimFault> {
         let end = self.omega.len().min(self.measured + QUANTUM);
         let faces = &self.omega[self.measured..end];
-        let each = map_in_order(faces.len(), |i| self.measure(faces[i].root_face(0)));
+        let each = map_dear_in_order(faces.len(), |i| self.measure(faces[i].root_face(0)));
         for face in each {
             farther(&mut self.found, &face);
         }
