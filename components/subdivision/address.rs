@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::Component;
 
+use crate::evaluate::SurfacePoint;
 use crate::mesh::{Connectivity, EdgeId, FaceId, HalfedgeId, VertexId};
 
 /// The finest level that addresses can name: 2^30 steps along an edge still fit 32 bits, and 60
@@ -98,6 +99,14 @@ impl FaceCode {
             };
         }
         corners
+    }
+
+    /// The place of the root face where the corners of a face of `level` weigh `weights`, which sum to 1.
+    pub fn place(self, level: u32, weights: [f64; 3]) -> SurfacePoint {
+        let scale = 1.0 / (1_u64 << level) as f64;
+        let corners = self.corners(level).map(|(i, j)| [f64::from(i) * scale, f64::from(j) * scale]);
+        let along = |k: usize| (0..3).map(|c| weights[c] * corners[c][k]).sum::<f64>();
+        SurfacePoint::new(self.root_face(level), along(0), along(1))
     }
 
     /// The neighbour across the half-edge that leaves `corner`, at `level`, and the corner that

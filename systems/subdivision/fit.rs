@@ -10,13 +10,13 @@ use std::sync::Arc;
 
 use bevy_ecs::prelude::Component;
 use glam::DVec3;
-use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::VertexId;
 pub use selvedge_components::subdivision::fit::{
     FitError, FitOptions, Outcome, Quantum, Region, Rule, Rung, Stage, Storage,
 };
 use selvedge_components::subdivision::{Address, CornerTable, Details, FaceCode, LoopSurface};
 
+use super::natural::Natural;
 use super::open::{OpenLevel, Opening};
 use super::region;
 use crate::target::Target;
@@ -42,8 +42,8 @@ pub struct FitWork {
     /// Greatest error among patches that are not worked on any more, and where.
     pub(super) settled: (f64, DVec3),
     pub(super) unreachable: (f64, DVec3),
-    /// By root vertex: the place of the target that stands for it.
-    pub(super) natural: Arc<[SurfacePoint]>,
+    /// Where to look first.
+    pub(super) natural: Natural,
 }
 
 impl FitWork {
@@ -74,13 +74,13 @@ impl FitWork {
             outcome: None,
             settled: (0.0, DVec3::ZERO),
             unreachable: (0.0, DVec3::ZERO),
-            natural: Arc::new([]),
+            natural: Natural::default(),
         })
     }
 
-    /// Takes `natural`, by root vertex a place of the target, as where to look first.
+    /// Takes `natural`, which names places of the target, as where to look first.
     #[must_use]
-    pub fn with_natural(mut self, natural: Arc<[SurfacePoint]>) -> Self {
+    pub fn with_natural(mut self, natural: Natural) -> Self {
         self.natural = natural;
         self
     }

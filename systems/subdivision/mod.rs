@@ -8,6 +8,7 @@ pub mod job;
 mod lanes;
 pub mod limit;
 pub mod modify;
+pub mod natural;
 mod open;
 pub mod quasi;
 pub mod refine;

@@ -5,14 +5,14 @@
 
 use glam::DVec3;
 use selvedge_components::evaluate::SurfacePoint;
-use selvedge_components::mesh::VertexId;
 use selvedge_components::subdivision::{
-    Address, CornerTable, Details, FaceCode, Kind, LevelMesh, LimitRows, LoopSurface, NONE, RingState, SideEnd, Step,
+    Address, CornerTable, Details, FaceCode, Kind, LevelMesh, LimitRows, LoopSurface, RingState, SideEnd, Step,
 };
 
 use super::chain::{self, Level};
 use super::fit::{Region, zone};
 use super::modify::Solve;
+use super::natural::Natural;
 use super::region;
 
 /// The level in work.
@@ -210,15 +210,13 @@ impl OpenLevel {
         self.list_active();
     }
 
-    /// Lets the search for each point begin at the place that stands for the nearest root vertex of
-    /// its face.
-    pub fn look_first_at(&mut self, surface: &LoopSurface, natural: &[SurfacePoint]) {
+    /// Lets the search for each point begin where `natural` says.
+    pub fn look_first_at(&mut self, surface: &LoopSurface, natural: &Natural) {
         let Self { levels, fit_rows, hints, test_rows, test_hints, .. } = self;
-        let both = [(&levels[1].mesh, &*fit_rows, hints), (&levels[2].mesh, &*test_rows, test_hints)];
-        for (mesh, rows, hints) in both {
-            let nearest = nearest_roots(surface, mesh);
+        for (mesh, rows, hints) in [(&levels[1].mesh, &*fit_rows, hints), (&levels[2].mesh, &*test_rows, test_hints)] {
+            let places = natural.places(&surface.mesh, mesh);
             for (&v, hint) in rows.vertices.iter().zip(hints) {
-                *hint = natural.get(nearest[v as usize].index()).copied().or(*hint);
+                *hint = places[v as usize].or(*hint);
             }
         }
     }
@@ -228,20 +226,6 @@ impl OpenLevel {
         self.active = self.movable.iter().map(|&v| (self.level, self.addresses[v as usize])).collect();
         self.active.sort_unstable();
     }
-}
-
-/// For each vertex of a level the root vertex that is nearest on a root face of it.
-fn nearest_roots(surface: &LoopSurface, mesh: &LevelMesh) -> Vec<VertexId> {
-    let (mut nearest, steps) = (vec![VertexId(NONE); mesh.vertices.len()], 1_u32 << mesh.level);
-    for (code, corners) in mesh.codes.iter().zip(&mesh.corners) {
-        let root = surface.mesh.face(code.root_face(mesh.level));
-        for (&v, (i, j)) in corners.iter().zip(code.corners(mesh.level)) {
-            let weights = [steps - i - j, i, j];
-            let heaviest = (1..3).fold(0, |best, c| if weights[c] > weights[best] { c } else { best });
-            nearest[v as usize] = root[heaviest];
-        }
-    }
-    nearest
 }
 
 /// The vertices of `faces` that have whole rings and are free to move: not on a plain border, and

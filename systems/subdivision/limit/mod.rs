@@ -5,6 +5,7 @@
 //! [`Patch`] evaluates a face from the rings of its corners alone. Derived from the surface and
 //! dropped at will.
 
+mod build;
 mod nest;
 mod plan;
 
@@ -20,10 +21,10 @@ use selvedge_components::subdivision::{
 };
 use thiserror::Error;
 
-use super::chain::{self, Level};
+use super::chain::Level;
 use crate::parallel::map_in_order;
+pub use build::LimitBuild;
 pub use nest::{Nest, Spot};
-use plan::Plan;
 
 /// Why a surface cannot be evaluated.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -107,24 +108,7 @@ impl LimitSurface {
     /// # Errors
     /// Every variant of [`LimitError`].
     pub fn new(surface: Arc<LoopSurface>) -> Result<Self, LimitError> {
-        let (points, vertices) = (surface.points.len(), surface.mesh.vertex_count());
-        if points != vertices {
-            return Err(LimitError::PointCount { points, vertices });
-        }
-        let (faces, level) = (surface.mesh.face_count(), surface.details.depth().saturating_sub(1));
-        let finest = FaceCode::finest(faces);
-        if level > finest {
-            return Err(LimitError::TooFine { level, faces, finest });
-        }
-        let corners = CornerTable::new(&surface);
-        let root = chain::root(&surface, &corners, &surface.details);
-        for (v, &at) in root.state.effective.iter().enumerate() {
-            if !at.is_finite() {
-                return Err(LimitError::NotFinite { vertex: VertexId::new(v), at });
-            }
-        }
-        let levels = Plan::new(&surface, &corners).build(&surface, &corners, root);
-        Ok(Self { surface, corners, levels })
+        Ok(LimitBuild::new(surface)?.finish())
     }
 
     /// The surface that is evaluated.

@@ -3,18 +3,17 @@
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
 use selvedge_components::subdivision::{CornerTable, FaceCode, LoopSurface};
 
-use super::KeptLevel;
-use crate::subdivision::chain::{self, Level};
 use crate::subdivision::region;
 
 /// Which faces to keep, level by level.
+#[derive(Debug)]
 pub(super) struct Plan {
     /// For each level, the faces that are evaluated through their children, ascending.
-    split: Vec<Vec<FaceCode>>,
+    pub split: Vec<Vec<FaceCode>>,
     /// Those of them that must be, for something happens below.
-    unsettled: Vec<Vec<FaceCode>>,
+    pub unsettled: Vec<Vec<FaceCode>>,
     /// The faces whose children are kept: those of `split` and what their children's rings reach.
-    refined: Vec<Vec<FaceCode>>,
+    pub refined: Vec<Vec<FaceCode>>,
 }
 
 /// Faces next to irregular vertices and borders are kept this many levels deep even if nothing but
@@ -49,21 +48,6 @@ impl Plan {
             refined[l] = region::parents(&needed);
         }
         Self { split, unsettled, refined }
-    }
-
-    pub fn build(self, surface: &LoopSurface, corners: &CornerTable, root: Level) -> Vec<KeptLevel> {
-        let mut reached = region::whole(&surface.mesh, 0);
-        let mut level = root;
-        let mut kept = Vec::with_capacity(self.split.len() + 1);
-        for ((split, refined), unsettled) in self.split.iter().zip(&self.refined).zip(self.unsettled) {
-            let local: Vec<u32> = refined.iter().filter_map(|&code| level.mesh.find(code)).collect();
-            let (finer, _) = chain::refine(surface, corners, &surface.details, &level, &local);
-            kept.push(KeptLevel::new(level, &reached, split, refined, unsettled));
-            reached = region::children(split);
-            level = finer;
-        }
-        kept.push(KeptLevel::new(level, &reached, &[], &[], Vec::new()));
-        kept
     }
 }
 

@@ -111,6 +111,15 @@ pub struct Remeshed {
     pub flipped: usize,
 }
 
+impl Remeshed {
+    /// The places of the source that stand for the corners of a face, where that is a whole face of some
+    /// level of it.
+    pub fn on_one_face(&self, face: usize) -> Option<[SurfacePoint; 3]> {
+        let FaceOrigin::Leaf { level, code } = self.face_origin[face] else { return None };
+        Some([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|weights| code.place(level, weights)))
+    }
+}
+
 /// The faces that may be fitted: those around changed vertices, with their neighbours or without.
 fn omega(mesh: &Connectivity, changed: &[VertexId], which: Omega) -> Vec<FaceCode> {
     let around = changed.iter().flat_map(|&v| mesh.ring(v)).map(|h| FaceCode::root(h.face()));

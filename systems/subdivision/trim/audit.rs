@@ -19,7 +19,7 @@ use super::ground::Ground;
 use crate::closest::SurfaceIndex;
 use crate::foot;
 use crate::parallel::map_dear_in_order;
-use crate::subdivision::limit::{LimitSurface, Nest};
+use crate::subdivision::limit::{LimitBuild, LimitSurface, Nest};
 use crate::subdivision::remesh::{FaceOrigin, Remeshed};
 
 /// Faces measured in one work quantum: some milliseconds.
@@ -28,30 +28,37 @@ const QUANTUM: usize = 64;
 /// Steps that end within this part of what is taken for near have most likely found the foot.
 const LIKELY: f64 = 0.5;
 
+/// Border samples judged in one work quantum: a curve may cost some microseconds a point.
+const BORDER_QUANTUM: usize = 1024;
+
 /// An audit in progress.
 #[derive(Debug)]
 pub struct TrimAuditWork {
-    ground: Arc<Ground>,
-    remeshed: Arc<Remeshed>,
     surface: Arc<LoopSurface>,
-    limit: Arc<LimitSurface>,
-    /// The result, ready to be searched everywhere: made when steps from a near place find no foot.
-    searched: OnceLock<Option<SurfaceIndex<LimitSurface>>>,
-    /// The distance allowed, if one was asked for.
-    allowed: Option<f64>,
-    /// A foot as near as this is taken for the right one, which overstates the distance if it is not; one
-    /// that is farther is sought elsewhere, too.
-    near: f64,
-    samples: u32,
-    seed: u64,
-    omega: Vec<FaceCode>,
-    measured: usize,
+    stage: Stage,
+    /// What has been found.
     found: TrimAudit,
 }
 
-/// Is a distance within another? One that is no number is not within any.
-fn is_within(distance: f64, other: f64) -> bool {
-    distance <= other
+/// How far an audit has come.
+#[derive(Debug)]
+enum Stage {
+    /// The limit surface is being prepared, which what is given is to be measured with.
+    Prepare(Box<LimitBuild>, Given),
+    /// Distances, then borders.
+    Measure(Box<Measuring>),
+    Done,
+}
+
+/// What an audit is of.
+#[derive(Clone, Debug)]
+struct Given {
+    ground: Arc<Ground>,
+    remeshed: Arc<Remeshed>,
+    /// The distance allowed, if one was asked for.
+    allowed: Option<f64>,
+    samples: u32,
+    seed: u64,
 }
 
 impl TrimAuditWork {
@@ -66,14 +73,10 @@ impl TrimAuditWork {
         allowed: Option<f64>,
         options: &TrimOptions,
     ) -> Result<Self, TrimFault> {
-        let limit =
-            LimitSurface::new(Arc::clone(&surface)).map_err(|why| TrimFault::Unevaluated { why: why.to_string() })?;
-        let (omega, samples, seed) = (remeshed.omega.clone(), options.samples, options.seed);
-        let found = TrimAudit::default();
-        // Without a tolerance, what is a thousandth of an edge off is looked at twice.
-        let near = allowed.unwrap_or(1e-3 * ground.edge);
-        let (limit, searched) = (Arc::new(limit), OnceLock::new());
-        Ok(Self { ground, remeshed, surface, limit, searched, allowed, near, samples, seed, omega, measured: 0, found })
+        let build =
+            LimitBuild::new(Arc::clone(&surface)).map_err(|why| TrimFault::Unevaluated { why: why.to_string() })?;
+        let given = Given { ground, remeshed, allowed, samples: options.samples, seed: options.seed };
+        Ok(Self { surface, stage: Stage::Prepare(Box::new(build), given), found: TrimAudit::default() })
     }
 
     /// What is measured.
@@ -86,11 +89,106 @@ impl TrimAuditWork {
         &self.found
     }
 
-    /// Measures some more faces; all of them measured, judges.
+    /// Prepares a level, measures some more faces or borders; all of them measured, judges.
     ///
     /// # Errors
     /// [`TrimFault::Audit`] with everything that is wrong.
     pub fn advance(&mut self) -> Result<TrimQuantum, TrimFault> {
+        match &mut self.stage {
+            Stage::Prepare(build, given) => {
+                if let Some(limit) = build.advance() {
+                    let measuring = Measuring::new(given.clone(), Arc::clone(&self.surface), limit);
+                    self.stage = Stage::Measure(Box::new(measuring));
+                }
+                Ok(TrimQuantum::More)
+            }
+            Stage::Measure(measuring) => {
+                let step = measuring.advance();
+                self.found = measuring.found;
+                if step != Ok(TrimQuantum::More) {
+                    self.stage = Stage::Done;
+                }
+                step
+            }
+            Stage::Done => Ok(TrimQuantum::Finished),
+        }
+    }
+}
+
+/// A trim that is being measured.
+#[derive(Debug)]
+struct Measuring {
+    ground: Arc<Ground>,
+    remeshed: Arc<Remeshed>,
+    surface: Arc<LoopSurface>,
+    limit: Arc<LimitSurface>,
+    /// The result, ready to be searched everywhere: made when steps from a near place find no foot.
+    searched: OnceLock<Option<SurfaceIndex<LimitSurface>>>,
+    /// The distance allowed, if one was asked for.
+    allowed: Option<f64>,
+    /// A foot as near as this is taken for the right one, which overstates the distance if it is not; one
+    /// that is farther is sought elsewhere, too.
+    near: f64,
+    samples: u32,
+    seed: u64,
+    omega: Vec<FaceCode>,
+    /// How many faces of Omega are measured.
+    measured: usize,
+    /// How many sides are compared with their curves.
+    compared: usize,
+    found: TrimAudit,
+    faults: Vec<TrimAuditFault>,
+}
+
+/// Is a distance within another? One that is no number is not within any.
+fn is_within(distance: f64, other: f64) -> bool {
+    distance <= other
+}
+
+impl Measuring {
+    fn new(
+        Given { ground, remeshed, allowed, samples, seed }: Given,
+        surface: Arc<LoopSurface>,
+        limit: LimitSurface,
+    ) -> Self {
+        Self {
+            surface,
+            limit: Arc::new(limit),
+            searched: OnceLock::new(),
+            allowed,
+            // Without a tolerance, what is a thousandth of an edge off is looked at twice.
+            near: allowed.unwrap_or(1e-3 * ground.edge),
+            samples,
+            seed,
+            omega: remeshed.omega.clone(),
+            measured: 0,
+            compared: 0,
+            found: TrimAudit::default(),
+            faults: Vec::new(),
+            ground,
+            remeshed,
+        }
+    }
+
+    fn advance(&mut self) -> Result<TrimQuantum, TrimFault> {
+        if self.measured < self.omega.len() {
+            self.measure_some();
+            return Ok(TrimQuantum::More);
+        }
+        if self.compared < self.surface.sides.len() {
+            self.compare_some();
+            return Ok(TrimQuantum::More);
+        }
+        let mut faults = Vec::new();
+        self.judge_distances(&mut faults);
+        faults.append(&mut self.faults);
+        self.judge_topology(&mut faults);
+        self.judge_cover(&mut faults);
+        if faults.is_empty() { Ok(TrimQuantum::Finished) } else { Err(TrimFault::Audit { faults }) }
+    }
+
+    /// Measures the next faces.
+    fn measure_some(&mut self) {
         let end = self.omega.len().min(self.measured + QUANTUM);
         let faces = &self.omega[self.measured..end];
         let each = map_dear_in_order(faces.len(), |i| self.measure(faces[i].root_face(0)));
@@ -98,14 +196,18 @@ impl TrimAuditWork {
             farther(&mut self.found, &face);
         }
         self.measured = end;
-        if end < self.omega.len() {
-            return Ok(TrimQuantum::More);
+    }
+
+    /// Compares the next sides, one at least, with their curves.
+    fn compare_some(&mut self) {
+        let mut samples = 0;
+        while self.compared < self.surface.sides.len() && samples < BORDER_QUANTUM {
+            let found = self.compare(self.compared);
+            samples += found.0;
+            self.faults.extend(found.1);
+            self.compared += 1;
         }
-        let mut faults = Vec::new();
-        self.judge_distances(&mut faults);
-        self.judge_borders(&mut faults);
-        self.judge_cover(&mut faults);
-        if faults.is_empty() { Ok(TrimQuantum::Finished) } else { Err(TrimFault::Audit { faults }) }
+        self.found.border_samples += samples;
     }
 
     /// Samples one face of the result, and the piece of the source that it stands for. What is no farther
@@ -126,7 +228,7 @@ impl TrimAuditWork {
             let x = result.position(result.root(), weights);
             let mut off = f64::INFINITY;
             if let Some((level, code, source)) = &mut source {
-                off = x.distance(position(source, on_root(*level, *code, weights)));
+                off = x.distance(position(source, code.place(*level, weights)));
             }
             // The place with the same weights is no nearer than the foot.
             if !is_within(off, found.to_source) {
@@ -135,7 +237,7 @@ impl TrimAuditWork {
             farther(&mut found, &TrimAudit { to_source: off, to_source_at: x, samples: 1, ..TrimAudit::default() });
             if let Some((level, code, source)) = &mut source {
                 let aside = draw.weights_near(weights);
-                let y = position(source, on_root(*level, *code, aside));
+                let y = position(source, code.place(*level, aside));
                 let mut off = y.distance(result.position(result.root(), aside));
                 if !is_within(off, found.to_result) {
                     off = self.to_result(SurfacePoint::new(face, aside[1], aside[2]), y, found.to_result);
@@ -151,7 +253,7 @@ impl TrimAuditWork {
     /// for, or that of the nearest corner.
     fn start(&self, face: FaceId, origin: FaceOrigin, weights: [f64; 3]) -> SurfacePoint {
         if let FaceOrigin::Leaf { level, code } = origin {
-            return on_root(level, code, weights);
+            return code.place(level, weights);
         }
         let natural = self.surface.mesh.face(face).map(|v| self.remeshed.natural[v.index()]);
         if natural.iter().all(|at| at.face == natural[0].face) {
@@ -208,31 +310,34 @@ impl TrimAuditWork {
         }
     }
 
-    /// Every border sample of the result is its curve's own value; borders are simple loops made of
-    /// sides; loops, parts and Euler number make a surface that is no more knotted than the source.
-    fn judge_borders(&mut self, faults: &mut Vec<TrimAuditFault>) {
+    /// Every border sample of a side of the result is its curve's own value. Returns how many there are.
+    fn compare(&self, s: usize) -> (usize, Vec<TrimAuditFault>) {
+        let (mesh, side) = (&self.surface.mesh, &self.surface.sides[s]);
+        let Border::Given { curve, first, heading } = &side.border else { return (0, Vec::new()) };
+        let along = Traversal { first: *first, heading: *heading };
+        // Where a side begins at a corner, the older of the two that meet gives the bits.
+        let first_step = u64::from(side.ends == Ends::Corners);
+        // Vertices of the side, and places two levels below, through the evaluator.
+        let steps = |level: u32| (first_step..(side.edge_count() as u64) << level).map(move |step| (level, step));
+        let places: Vec<(u32, u64)> = [0, 2].into_iter().flat_map(steps).collect();
+        let faults = map_dear_in_order(places.len(), |i| {
+            let (level, step) = places[i];
+            let u = curve.parameter(level, along.vertex(curve, level, step));
+            let (edge, part) = ((step >> level) as usize, step & ((1 << level) - 1));
+            let ends = [edge, (edge + 1) % side.vertices.len()].map(|i| side.vertices[i]);
+            let at = on_edge(mesh, ends, part as f64 / f64::from(1_u32 << level))?;
+            let (found, sample) = (self.limit.position(at), curve.curve().position(u));
+            let same = found.to_array().map(f64::to_bits) == sample.to_array().map(f64::to_bits);
+            Some((!same).then_some(TrimAuditFault::OffCurve { side: s, u, at: found, sample }))
+        });
+        let compared = faults.iter().flatten().count();
+        (compared, faults.into_iter().flatten().flatten().collect())
+    }
+
+    /// Borders are simple loops made of sides; loops, parts and Euler number make a surface that is no
+    /// more knotted than the source.
+    fn judge_topology(&mut self, faults: &mut Vec<TrimAuditFault>) {
         let mesh = &self.surface.mesh;
-        for (s, side) in self.surface.sides.iter().enumerate() {
-            let Border::Given { curve, first, heading } = &side.border else { continue };
-            let along = Traversal { first: *first, heading: *heading };
-            // Vertices of the side, and places two levels below, through the evaluator.
-            for level in [0, 2] {
-                // Where a side begins at a corner, the older of the two that meet gives the bits.
-                let first_step = u64::from(side.ends == Ends::Corners);
-                for step in first_step..(side.edge_count() as u64) << level {
-                    let u = curve.parameter(level, along.vertex(curve, level, step));
-                    let (edge, part) = ((step >> level) as usize, step & ((1 << level) - 1));
-                    let ends = [edge, (edge + 1) % side.vertices.len()].map(|i| side.vertices[i]);
-                    let share = part as f64 / f64::from(1_u32 << level);
-                    let Some(at) = on_edge(mesh, ends, share) else { continue };
-                    let (found, sample) = (self.limit.position(at), curve.curve().position(u));
-                    self.found.border_samples += 1;
-                    if found.to_array().map(f64::to_bits) != sample.to_array().map(f64::to_bits) {
-                        faults.push(TrimAuditFault::OffCurve { side: s, u, at: found, sample });
-                    }
-                }
-            }
-        }
         let loops = mesh.border_loops();
         let edges: usize = loops.iter().map(Vec::len).sum();
         let named: usize = self.surface.sides.iter().map(|side| side.edge_count()).sum();
@@ -280,14 +385,6 @@ fn farther(a: &mut TrimAudit, b: &TrimAudit) {
 /// The limit position at a place of the root face of `nest`.
 fn position(nest: &mut Nest<'_>, SurfacePoint { st, .. }: SurfacePoint) -> DVec3 {
     nest.position(nest.root(), [(1.0 - st.x - st.y).max(0.0), st.x, st.y])
-}
-
-/// The place of the root mesh where the corners of `code` weigh `weights`.
-fn on_root(level: u32, code: FaceCode, weights: [f64; 3]) -> SurfacePoint {
-    let scale = 1.0 / (1_u64 << level) as f64;
-    let corners = code.corners(level).map(|(i, j)| [f64::from(i) * scale, f64::from(j) * scale]);
-    let along = |k: usize| (0..3).map(|c| weights[c] * corners[c][k]).sum::<f64>();
-    SurfacePoint::new(code.root_face(level), along(0), along(1))
 }
 
 /// The place of the border edge between `ends`, walked with the surface on the left, at `share` of

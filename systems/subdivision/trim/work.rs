@@ -5,7 +5,6 @@ use std::sync::Arc;
 use bevy_ecs::prelude::Component;
 use glam::DVec3;
 use selvedge_components::budget::Budgets;
-use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::VertexId;
 use selvedge_components::subdivision::fit::{FitOptions, Outcome, Region};
 use selvedge_components::subdivision::remesh::{PreImageError, RemeshError};
@@ -25,6 +24,7 @@ use super::other::OtherWork;
 use super::zone::Zone;
 use crate::closest::Search;
 use crate::subdivision::fit::FitWork;
+use crate::subdivision::natural::Natural;
 use crate::subdivision::region;
 use crate::subdivision::relax::shape;
 use crate::subdivision::remesh::{
@@ -227,7 +227,7 @@ impl TrimWork {
         let target: Arc<dyn Target> = Arc::new(self.ground.target(Search::AroundHint));
         let guarded = Arc::new(Guarded::new(target, self.budgets));
         let options = fit_options(&self.options, self.tolerance.as_ref(), &self.budgets, remeshed.omega.clone());
-        let natural: Arc<[SurfacePoint]> = remeshed.natural.clone().into();
+        let natural = Natural::new(&remeshed.surface.mesh, remeshed.natural.clone(), |f| remeshed.on_one_face(f));
         Ok(FitWork::new(Arc::new(remeshed.surface.clone()), guarded, options)?.with_natural(natural))
     }
 
