@@ -206,10 +206,11 @@ impl Bvh {
         let mut stack = Stack::new();
         let entry = |n: u32, end: f64| line.entry(&self.nodes[n as usize].bounds(), begin, end);
         if !self.nodes.is_empty() {
-            stack.extend(entry(0, end).map(|t| (t, 0)));
+            stack.push((entry(0, end), 0));
         }
         while let Some((t, n)) = stack.pop() {
-            if t > end {
+            // What the line misses is never entered.
+            if t > end || t == f64::INFINITY {
                 continue;
             }
             let node = self.nodes[n as usize];
@@ -219,13 +220,14 @@ impl Bvh {
                 }
                 continue;
             }
-            let [a, b] = [node.first, node.first + 1].map(|child| entry(child, end).map(|t| (t, child)));
-            let (near, far) = match (a, b) {
-                (Some(a), Some(b)) if b.0 < a.0 => (Some(b), Some(a)),
-                pair => pair,
-            };
-            stack.extend(far);
-            stack.extend(near);
+            let (a, b) = ((entry(node.first, end), node.first), (entry(node.first + 1, end), node.first + 1));
+            let (near, far) = if b.0 < a.0 { (b, a) } else { (a, b) };
+            if far.0 < f64::INFINITY {
+                stack.push(far);
+            }
+            if near.0 < f64::INFINITY {
+                stack.push(near);
+            }
         }
     }
 
@@ -302,16 +304,16 @@ impl Line {
         Self { origin, inverse: direction.recip() }
     }
 
-    /// Where the line enters `bounds` within `[begin, end]`.
+    /// Where the line enters `bounds` within `[begin, end]`; infinity where it does not.
     #[inline]
-    fn entry(&self, bounds: &Bounds, begin: f64, end: f64) -> Option<f64> {
+    fn entry(&self, bounds: &Bounds, begin: f64, end: f64) -> f64 {
         let (mut enter, mut leave) = (begin, end);
         for axis in 0..3 {
             let (o, inverse) = (self.origin[axis], self.inverse[axis]);
             let (low, high) = (bounds.min[axis], bounds.max[axis]);
             if inverse.is_infinite() {
                 if o < low || o > high {
-                    return None;
+                    return f64::INFINITY;
                 }
                 continue;
             }
@@ -321,7 +323,7 @@ impl Line {
             enter = enter.max(a.min(b) - slack * a.min(b).abs());
             leave = leave.min(a.max(b) + slack * a.max(b).abs());
         }
-        (enter <= leave).then_some(enter)
+        if enter <= leave { enter } else { f64::INFINITY }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Where a line meets a surface.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use selvedge_components::evaluate::{Jet, SurfacePoint};
 
 use super::SurfaceIndex;
@@ -71,7 +71,7 @@ impl<S: Walk> SurfaceIndex<S> {
     fn hit_from(&self, line: Line, cell: &Cell, range: [f64; 2]) -> Option<Hit> {
         let mut spot = Spot::new(cell.place(line.weights_in(cell)?));
         let mut jet = self.surface.jet(spot.point());
-        let mut before = f64::INFINITY;
+        let (mut before, mut step_before) = (f64::INFINITY, f64::INFINITY);
         for _ in 0..MOST_STEPS {
             let (ds, dt, t) = line.step(&jet)?;
             let length = (jet.ds * ds + jet.dt * dt).length();
@@ -81,13 +81,15 @@ impl<S: Walk> SurfaceIndex<S> {
             jet = self.surface.jet(next.point());
             spot = next;
             let off = line.distance(jet.position, t);
-            if length <= self.fine || (off <= 4.0 * self.fine && off >= 0.5 * before) {
+            // Newton's steps shrink ever faster: the next one leaves less than this.
+            let left = if step_before.is_finite() { length * (length / step_before) } else { length };
+            if length <= self.fine || left <= self.fine || (off <= 4.0 * self.fine && off >= 0.5 * before) {
                 let slack = 4.0 * self.fine / line.direction.length();
                 let inside = t >= range[0] - slack && t <= range[1] + slack;
                 let hit = Hit { at: spot.point(), position: jet.position, t };
                 return (inside && off <= 64.0 * self.fine).then_some(hit);
             }
-            before = off;
+            (before, step_before) = (off, length);
         }
         None
     }
@@ -97,17 +99,25 @@ impl Line {
     /// The step of the surface's coordinates to where its tangent plane meets the line, and the `t`
     /// there.
     fn step(&self, jet: &Jet) -> Option<(f64, f64, f64)> {
-        let [ds, dt, t] = self.meet(jet.position, jet.ds, jet.dt)?;
+        let ([ds, dt, t], _) = self.meet(jet.position, jet.ds, jet.dt)?;
         Some((ds, dt, t))
     }
 
-    /// `(x, y, t)` with `origin + t direction = base + x a + y b`.
-    fn meet(&self, base: DVec3, a: DVec3, b: DVec3) -> Option<[f64; 3]> {
-        let matrix = DMat3::from_cols(a, b, -self.direction);
-        let determinant = matrix.determinant();
+    /// `(x, y, t)` with `origin + t direction = base + x a + y b`, and the determinant that decides whether
+    /// there is one. By Cramer's rule. [Möller and Trumbore 1997]
+    fn meet(&self, base: DVec3, a: DVec3, b: DVec3) -> Option<([f64; 3], f64)> {
+        let across = self.direction.cross(b);
+        let determinant = a.dot(across);
         // Below this the line runs along the plane, as far as rounding can tell.
-        let least = 16.0 * f64::EPSILON * a.length() * b.length() * self.direction.length();
-        (determinant.abs() > least).then(|| (matrix.inverse() * (self.origin - base)).to_array())
+        let least = 16.0 * f64::EPSILON;
+        let sizes = a.length_squared() * b.length_squared() * self.direction.length_squared();
+        if determinant * determinant <= least * least * sizes {
+            return None;
+        }
+        let from = self.origin - base;
+        let other = from.cross(a);
+        let all = [from.dot(across), self.direction.dot(other), b.dot(other)];
+        Some((all.map(|x| x / determinant), determinant))
     }
 
     /// The distance of `point` from the point of the line at `t`.
@@ -119,16 +129,14 @@ impl Line {
     /// surface over the cell.
     fn weights_in(&self, cell: &Cell) -> Option<[f64; 3]> {
         let [p, q, r] = cell.points;
-        let Some([x, y, _]) = self.meet(p, q - p, r - p) else {
+        let Some(([x, y, _], determinant)) = self.meet(p, q - p, r - p) else {
             // The line runs along the triangle's plane.
             return Some([1.0 / 3.0; 3]);
         };
         let weights = [1.0 - x - y, x, y];
-        // Off its plane by the sag, the surface is met that much aside, the more the flatter the line.
-        let normal = (q - p).cross(r - p);
-        let lean = normal.dot(self.direction).abs() / (normal.length() * self.direction.length());
-        let height = normal.length() / cell.size();
-        let aside = 0.1 + cell.sag / (lean * height);
+        // Off its plane by the sag, the surface is met that much aside, the more the flatter the line: by the
+        // sag over the sine of the line's angle with the plane, in heights of the triangle.
+        let aside = 0.1 + cell.sag * cell.size() * self.direction.length() / determinant.abs();
         if weights.iter().any(|&w| w < -aside) {
             return None;
         }

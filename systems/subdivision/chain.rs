@@ -56,27 +56,54 @@ pub fn advance(
 }
 
 /// The level of `faces`, which are codes of `level` in whole families (all root faces at level 0).
+pub fn build(surface: &LoopSurface, corners: &CornerTable, details: &Details, level: u32, faces: &[FaceCode]) -> Level {
+    let mut way = Way::to(surface, level, faces);
+    let mut at = root(surface, corners, details);
+    while let Some(finer) = way.step(surface, corners, details, &at) {
+        at = finer;
+    }
+    at
+}
+
+/// The way from the root mesh to some faces of a level.
 ///
 /// The levels between hold just what is needed: a level must hold the neighbourhood of every face
 /// that it subdivides.
-pub fn build(surface: &LoopSurface, corners: &CornerTable, details: &Details, level: u32, faces: &[FaceCode]) -> Level {
-    let mut families: Vec<Vec<FaceCode>> = Vec::new();
-    let mut needed = faces.to_vec();
-    for l in (0..level).rev() {
-        let split = region::parents(&needed);
-        needed = region::neighbourhood(&surface.mesh, l, &split);
-        if l > 0 {
-            // Whole families only.
-            needed = region::children(&region::parents(&needed));
+#[derive(Debug, Default)]
+pub struct Way {
+    /// The faces to be subdivided, by level, the finest first.
+    families: Vec<Vec<FaceCode>>,
+}
+
+impl Way {
+    /// The way to `faces`, which are codes of `level` in whole families.
+    pub fn to(surface: &LoopSurface, level: u32, faces: &[FaceCode]) -> Self {
+        let mut families: Vec<Vec<FaceCode>> = Vec::new();
+        let mut needed = faces.to_vec();
+        for l in (0..level).rev() {
+            let split = region::parents(&needed);
+            needed = region::neighbourhood(&surface.mesh, l, &split);
+            if l > 0 {
+                // Whole families only.
+                needed = region::children(&region::parents(&needed));
+            }
+            families.push(split);
         }
-        families.push(split);
+        Self { families }
     }
-    let mut at = root(surface, corners, details);
-    for split in families.iter().rev() {
+
+    /// The next level after `at`; `None` at the end of the way.
+    pub fn step(
+        &mut self,
+        surface: &LoopSurface,
+        corners: &CornerTable,
+        details: &Details,
+        at: &Level,
+    ) -> Option<Level> {
+        let split = self.families.pop()?;
         let local: Vec<u32> = split.iter().filter_map(|&code| at.mesh.find(code)).collect();
-        at = refine(surface, corners, details, &at, &local).0;
+        Some(refine(surface, corners, details, at, &local).0)
     }
-    at
 }
 
 /// Adds the stored details of the mesh's level to its state.

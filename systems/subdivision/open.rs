@@ -9,7 +9,7 @@ use selvedge_components::subdivision::{
     Address, CornerTable, Details, FaceCode, Kind, LevelMesh, LimitRows, LoopSurface, RingState, SideEnd, Step,
 };
 
-use super::chain::{self, Level};
+use super::chain::{self, Level, Way};
 use super::fit::{Region, zone};
 use super::modify::Solve;
 use super::natural::Natural;
@@ -41,6 +41,8 @@ pub(super) struct OpenLevel {
     pub solve: Option<Solve>,
     /// Distances of the measured rows, as far as they have been found.
     pub distances: Vec<f64>,
+    /// The greatest of them over each influenced patch, and where, once all are found.
+    pub errors: Vec<(FaceCode, f64, DVec3)>,
     pub test_hints: Vec<Option<SurfacePoint>>,
 }
 
@@ -50,6 +52,7 @@ pub(super) struct Opening {
     /// Its faces that are worked on; then what they take along, ring by ring.
     faces: Vec<FaceCode>,
     rings: Rings,
+    way: Way,
     /// The vertices of level `j + 2` that are measured.
     measured: Vec<bool>,
     open: OpenLevel,
@@ -72,7 +75,9 @@ struct Rings {
 #[derive(Clone, Copy, Debug)]
 enum Part {
     Rings,
-    Base,
+    Root,
+    /// The next level on the way to the one that is opened.
+    Way,
     Finer,
     Quarters,
     FinestMesh,
@@ -82,6 +87,8 @@ enum Part {
     /// From this vertex on.
     TestRows(usize),
     Movable,
+    FitHints,
+    TestHints,
     Ready,
 }
 
@@ -92,23 +99,37 @@ impl Opening {
     /// Begins to open `level` with the vertices around `faces` movable.
     pub fn new(level: u32, faces: Vec<FaceCode>) -> Self {
         let open = OpenLevel { level, ..OpenLevel::default() };
-        Self { faces, rings: Rings::default(), measured: Vec::new(), open, next: Part::Rings }
+        Self { faces, rings: Rings::default(), way: Way::default(), measured: Vec::new(), open, next: Part::Rings }
     }
 
-    /// Takes the next step; the level, once it is open.
-    pub fn advance(&mut self, surface: &LoopSurface, corners: &CornerTable, details: &Details) -> Option<OpenLevel> {
+    /// Takes the next step; the level, once it is open. Searches will begin where `natural` says.
+    pub fn advance(
+        &mut self,
+        surface: &LoopSurface,
+        corners: &CornerTable,
+        details: &Details,
+        natural: &Natural,
+    ) -> Option<OpenLevel> {
         let Self { open, rings, .. } = self;
         let OpenLevel { level, levels: [base, finer, finest], steps, .. } = open;
         let local = |at: &LevelMesh, faces: &[FaceCode]| faces.iter().filter_map(|&f| at.find(f)).collect::<Vec<_>>();
         self.next = match self.next {
             Part::Rings => {
                 (*rings, open.influenced) = Rings::around(surface, *level, &self.faces);
-                Part::Base
+                self.way = Way::to(surface, *level, &rings.held);
+                Part::Root
             }
-            Part::Base => {
-                *base = chain::build(surface, corners, details, *level, &rings.held);
-                Part::Finer
+            Part::Root => {
+                *base = chain::root(surface, corners, details);
+                Part::Way
             }
+            Part::Way => match self.way.step(surface, corners, details, base) {
+                Some(finer) => {
+                    *base = finer;
+                    Part::Way
+                }
+                None => Part::Finer,
+            },
             Part::Finer => {
                 (*finer, steps[0]) = chain::refine(surface, corners, details, base, &local(&base.mesh, &rings.rim));
                 Part::Quarters
@@ -148,9 +169,15 @@ impl Opening {
             Part::Movable => {
                 open.addresses = base.mesh.addresses(&surface.mesh);
                 open.movable = movable(&base.mesh, &rings.around);
-                open.hints = vec![None; open.fit_rows.vertices.len()];
-                open.test_hints = vec![None; open.test_rows.vertices.len()];
                 open.list_active();
+                Part::FitHints
+            }
+            Part::FitHints => {
+                open.hints = hints(surface, natural, &finer.mesh, &open.fit_rows);
+                Part::TestHints
+            }
+            Part::TestHints => {
+                open.test_hints = hints(surface, natural, &finest.mesh, &open.test_rows);
                 Part::Ready
             }
             Part::Ready => return Some(core::mem::take(open)),
@@ -210,22 +237,17 @@ impl OpenLevel {
         self.list_active();
     }
 
-    /// Lets the search for each point begin where `natural` says.
-    pub fn look_first_at(&mut self, surface: &LoopSurface, natural: &Natural) {
-        let Self { levels, fit_rows, hints, test_rows, test_hints, .. } = self;
-        for (mesh, rows, hints) in [(&levels[1].mesh, &*fit_rows, hints), (&levels[2].mesh, &*test_rows, test_hints)] {
-            let places = natural.places(&surface.mesh, mesh);
-            for (&v, hint) in rows.vertices.iter().zip(hints) {
-                *hint = places[v as usize].or(*hint);
-            }
-        }
-    }
-
     fn list_active(&mut self) {
         self.moves = vec![DVec3::ZERO; self.movable.len()];
         self.active = self.movable.iter().map(|&v| (self.level, self.addresses[v as usize])).collect();
         self.active.sort_unstable();
     }
+}
+
+/// Where the search for each point begins.
+fn hints(surface: &LoopSurface, natural: &Natural, mesh: &LevelMesh, rows: &LimitRows) -> Vec<Option<SurfacePoint>> {
+    let places = natural.places(&surface.mesh, mesh);
+    rows.vertices.iter().map(|&v| places[v as usize]).collect()
 }
 
 /// The vertices of `faces` that have whole rings and are free to move: not on a plain border, and

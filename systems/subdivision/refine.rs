@@ -32,7 +32,7 @@ impl FitWork {
     /// When the target has no answer, or the next level would pass the budget.
     pub fn refine(&mut self) -> Result<Quantum, FitError> {
         if let Some(opening) = &mut self.opening {
-            let Some(next) = opening.advance(&self.surface, &self.corners, &self.details) else {
+            let Some(next) = opening.advance(&self.surface, &self.corners, &self.details, &self.natural) else {
                 return Ok(Quantum::More);
             };
             self.opening = None;
@@ -63,9 +63,10 @@ impl FitWork {
 
     /// All points of the level are measured: what now?
     fn judge(&mut self) -> Result<Quantum, FitError> {
-        let patches = self.open.patch_errors();
+        self.open.errors = self.open.patch_errors();
+        let patches = &self.open.errors;
         let begun = self.initial.is_some();
-        let rung = self.rung(&patches);
+        let rung = self.rung(patches);
         if !begun {
             self.initial = Some(rung);
             // The surface as it was given: go on to fit level 0 unless it is good enough.
@@ -112,8 +113,7 @@ impl FitWork {
 
     /// Begins to open the level after this one.
     fn open_next(&mut self) -> Quantum {
-        let patches = self.open.patch_errors();
-        let failing: Vec<FaceCode> = patches.iter().filter(|p| p.1 > self.limit()).map(|p| p.0).collect();
+        let failing: Vec<FaceCode> = self.open.errors.iter().filter(|p| p.1 > self.limit()).map(|p| p.0).collect();
         let level = self.open.level + 1;
         let faces = within(&self.options.region, &self.surface, level, region::children(&failing));
         self.opening = Some(Opening::new(level, faces));
@@ -123,7 +123,6 @@ impl FitWork {
     /// Goes on with a level that has been opened.
     fn take_level(&mut self, mut next: OpenLevel) -> Result<Quantum, FitError> {
         next.allow(&self.surface, &self.options.region);
-        next.look_first_at(&self.surface, &self.natural);
         if self.initial.is_none() {
             for (v, &at) in next.levels[0].state.effective.iter().enumerate() {
                 if !at.is_finite() {
@@ -134,7 +133,7 @@ impl FitWork {
             self.open = next;
             return Ok(Quantum::More);
         }
-        let (level, patches) = (next.level, self.open.patch_errors());
+        let (level, patches) = (next.level, &self.open.errors);
         if next.movable.is_empty() {
             self.unreachable = worst(patches.iter());
             let all = larger(self.unreachable, self.settled);
@@ -189,12 +188,20 @@ impl OpenLevel {
         }
         let mut patches: Vec<(FaceCode, f64, DVec3)> =
             self.influenced.iter().map(|&code| (code, 0.0, DVec3::ZERO)).collect();
+        // Faces of one patch stand side by side: it is looked up once.
+        let mut patch: Option<(FaceCode, Option<usize>)> = None;
         for (code, corners) in mesh.codes.iter().zip(&mesh.corners) {
-            let Ok(at) = patches.binary_search_by_key(&FaceCode(code.0 >> 4), |p| p.0) else { continue };
+            let of = FaceCode(code.0 >> 4);
+            let at = match patch {
+                Some((known, at)) if known == of => at,
+                _ => patches.binary_search_by_key(&of, |p| p.0).ok(),
+            };
+            patch = Some((of, at));
+            let Some(at) = at else { continue };
             for &v in corners {
                 let (error, x) = of_vertex[v as usize];
                 if error > patches[at].1 {
-                    patches[at] = (patches[at].0, error, x);
+                    patches[at] = (of, error, x);
                 }
             }
         }

@@ -108,7 +108,7 @@ impl LimitSurface {
     /// # Errors
     /// Every variant of [`LimitError`].
     pub fn new(surface: Arc<LoopSurface>) -> Result<Self, LimitError> {
-        Ok(LimitBuild::new(surface)?.finish())
+        LimitBuild::new(surface)?.finish()
     }
 
     /// The surface that is evaluated.

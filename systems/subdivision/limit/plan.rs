@@ -6,14 +6,26 @@ use selvedge_components::subdivision::{CornerTable, FaceCode, LoopSurface};
 use crate::subdivision::region;
 
 /// Which faces to keep, level by level.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Plan {
+    next: Part,
     /// For each level, the faces that are evaluated through their children, ascending.
     pub split: Vec<Vec<FaceCode>>,
     /// Those of them that must be, for something happens below.
     pub unsettled: Vec<Vec<FaceCode>>,
     /// The faces whose children are kept: those of `split` and what their children's rings reach.
     pub refined: Vec<Vec<FaceCode>>,
+}
+
+/// What is found next.
+#[derive(Clone, Copy, Debug, Default)]
+enum Part {
+    #[default]
+    Unsettled,
+    Split,
+    /// Of the level before this one.
+    Refined(usize),
+    Ready,
 }
 
 /// Faces next to irregular vertices and borders are kept this many levels deep even if nothing but
@@ -25,29 +37,51 @@ const EXTRA_LEVELS: usize = 4;
 const MOST_EXTRA: usize = 1 << 17;
 
 impl Plan {
-    pub fn new(surface: &LoopSurface, corners: &CornerTable) -> Self {
-        let mut unsettled = unsettled_faces(surface, corners);
-        let finest = FaceCode::finest(surface.mesh.face_count()) as usize;
-        let mut split = unsettled.clone();
-        for (l, irregular) in irregular_faces(&surface.mesh).into_iter().enumerate().take(finest) {
+    /// Finds the next part; `None` once there is nothing more to find.
+    pub fn advance(&mut self, surface: &LoopSurface, corners: &CornerTable) -> Option<()> {
+        self.next = match self.next {
+            Part::Unsettled => {
+                self.unsettled = unsettled_faces(surface, corners);
+                Part::Split
+            }
+            Part::Split => {
+                self.split(&surface.mesh);
+                Part::Refined(self.split.len())
+            }
+            Part::Refined(0) => Part::Ready,
+            Part::Refined(l) => {
+                self.refined[l - 1] = self.refined_of(&surface.mesh, l - 1);
+                Part::Refined(l - 1)
+            }
+            Part::Ready => return None,
+        };
+        Some(())
+    }
+
+    fn split(&mut self, mesh: &Connectivity) {
+        let finest = FaceCode::finest(mesh.face_count()) as usize;
+        let split = &mut self.split;
+        split.clone_from(&self.unsettled);
+        for (l, irregular) in irregular_faces(mesh).into_iter().enumerate().take(finest) {
             if l == split.len() {
                 split.push(Vec::new());
             }
             split[l].extend(irregular);
             split[l] = region::ascending(core::mem::take(&mut split[l]));
         }
-        unsettled.resize(split.len(), Vec::new());
-        let grow = |level: usize, faces: &[FaceCode]| region::neighbourhood(&surface.mesh, level as u32, faces);
-        let mut refined = vec![Vec::new(); split.len()];
-        for l in (0..split.len()).rev() {
-            let mut needed = grow(l + 1, &region::children(&split[l]));
-            if let Some(finer) = refined.get(l + 1) {
-                needed.extend(grow(l + 1, finer));
-                needed = region::ascending(needed);
-            }
-            refined[l] = region::parents(&needed);
+        self.unsettled.resize(split.len(), Vec::new());
+        self.refined.resize(split.len(), Vec::new());
+    }
+
+    /// Whose children are kept of level `l`, where that is known of finer levels.
+    fn refined_of(&self, mesh: &Connectivity, l: usize) -> Vec<FaceCode> {
+        let grow = |faces: &[FaceCode]| region::neighbourhood(mesh, l as u32 + 1, faces);
+        let mut needed = grow(&region::children(&self.split[l]));
+        if let Some(finer) = self.refined.get(l + 1) {
+            needed.extend(grow(finer));
+            needed = region::ascending(needed);
         }
-        Self { split, unsettled, refined }
+        region::parents(&needed)
     }
 }
 

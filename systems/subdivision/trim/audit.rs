@@ -19,7 +19,7 @@ use super::ground::Ground;
 use crate::closest::SurfaceIndex;
 use crate::foot;
 use crate::parallel::map_dear_in_order;
-use crate::subdivision::limit::{LimitBuild, LimitSurface, Nest};
+use crate::subdivision::limit::{LimitBuild, LimitError, LimitSurface, Nest};
 use crate::subdivision::remesh::{FaceOrigin, Remeshed};
 
 /// Faces measured in one work quantum: some milliseconds.
@@ -73,8 +73,7 @@ impl TrimAuditWork {
         allowed: Option<f64>,
         options: &TrimOptions,
     ) -> Result<Self, TrimFault> {
-        let build =
-            LimitBuild::new(Arc::clone(&surface)).map_err(|why| TrimFault::Unevaluated { why: why.to_string() })?;
+        let build = LimitBuild::new(Arc::clone(&surface)).map_err(|why| unevaluated(&why))?;
         let given = Given { ground, remeshed, allowed, samples: options.samples, seed: options.seed };
         Ok(Self { surface, stage: Stage::Prepare(Box::new(build), given), found: TrimAudit::default() })
     }
@@ -96,7 +95,7 @@ impl TrimAuditWork {
     pub fn advance(&mut self) -> Result<TrimQuantum, TrimFault> {
         match &mut self.stage {
             Stage::Prepare(build, given) => {
-                if let Some(limit) = build.advance() {
+                if let Some(limit) = build.advance().map_err(|why| unevaluated(&why))? {
                     let measuring = Measuring::new(given.clone(), Arc::clone(&self.surface), limit);
                     self.stage = Stage::Measure(Box::new(measuring));
                 }
@@ -113,6 +112,10 @@ impl TrimAuditWork {
             Stage::Done => Ok(TrimQuantum::Finished),
         }
     }
+}
+
+fn unevaluated(why: &LimitError) -> TrimFault {
+    TrimFault::Unevaluated { why: why.to_string() }
 }
 
 /// A trim that is being measured.
