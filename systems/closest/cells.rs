@@ -1,5 +1,7 @@
 //! A surface as small flat triangles, each with a bound on how far the surface leaves it.
 
+use std::ops::Range;
+
 use glam::{DVec2, DVec3};
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::FaceId;
@@ -34,10 +36,10 @@ const LEVELS: [u8; 2] = [1, 8];
 /// where a quadratic deviates most, and the factor leaves as much again for what differs from one.
 const SAFETY: f64 = 2.0;
 
-/// The cells of all faces of `surface`, in their order.
-pub(super) fn cells(surface: &impl Walk) -> Vec<Cell> {
-    map_in_order(surface.face_count(), |f| {
-        let face = FaceId::new(f);
+/// The cells of some faces of `surface`, in their order.
+pub(super) fn cells(surface: &impl Walk, faces: Range<usize>) -> Vec<Cell> {
+    map_in_order(faces.len(), |i| {
+        let face = FaceId::new(faces.start + i);
         let corners = [DVec2::ZERO, DVec2::X, DVec2::Y];
         let points = corners.map(|st| surface.position(SurfacePoint { face, st }));
         let mut cells = Vec::new();

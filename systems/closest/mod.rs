@@ -5,6 +5,7 @@
 //! surface itself, over edges and along borders, to rounding. Every cell that could hold a nearer
 //! point by its bound is tried, so the answer is the closest point of all, whatever the start.
 
+mod build;
 mod cells;
 mod line;
 mod seek;
@@ -17,12 +18,13 @@ use glam::DVec3;
 use selvedge_components::evaluate::SurfacePoint;
 use thiserror::Error;
 
+pub use build::IndexBuild;
 pub use line::Hit;
 pub use target::{Search, SurfaceTarget};
 pub use walk::Walk;
 
 use crate::spatial::Bvh;
-use cells::{Cell, cells, nearest_in_triangle};
+use cells::{Cell, nearest_in_triangle};
 use seek::{Reached, seek};
 use walk::Spot;
 
@@ -91,17 +93,7 @@ impl<S: Walk> SurfaceIndex<S> {
     /// # Errors
     /// [`IndexError::Empty`], [`IndexError::NotFinite`].
     pub fn new(surface: Arc<S>) -> Result<Self, IndexError> {
-        let cells = cells(&*surface);
-        if cells.is_empty() {
-            return Err(IndexError::Empty);
-        }
-        if let Some(cell) = cells.iter().find(|c| !c.is_finite()) {
-            return Err(IndexError::NotFinite { at: cell.place([1.0 / 3.0; 3]) });
-        }
-        let size = cells.iter().flat_map(|c| c.points).map(|p| p.abs().max_element()).fold(0.0, f64::max);
-        let boxes: Vec<_> = cells.iter().map(Cell::bounds).collect();
-        // The rounding of a position; a shorter step cannot be told from none.
-        Ok(Self { surface, cells, tree: Bvh::new(&boxes), fine: 4.0 * f64::EPSILON * size })
+        IndexBuild::new(surface).finish()
     }
 
     /// The surface that is searched.

@@ -142,22 +142,6 @@ pub fn remesh(
     run(RemeshWork::new(surface.into(), cuts.to_vec(), preimages.to_vec(), *options)?)
 }
 
-/// What the curves of one set remove of that which all others leave, ending on the very samples of
-/// the curves on which what stays ends: see [`OtherSide`]. All else is as in [`remesh`].
-///
-/// # Errors
-/// As [`remesh`].
-pub fn remesh_other(
-    surface: impl Into<Arc<LoopSurface>>,
-    cuts: &[Cut],
-    preimages: &[PreImage],
-    options: &RemeshOptions,
-    other: OtherSide,
-) -> Result<Remeshed, RemeshError> {
-    let turned = other.turned(cuts);
-    run(RemeshWork::new(surface.into(), turned, preimages.to_vec(), *options)?.on_other_side(other))
-}
-
 fn run(mut work: RemeshWork) -> Result<Remeshed, RemeshError> {
     loop {
         while work.advance()? == RemeshQuantum::More {}

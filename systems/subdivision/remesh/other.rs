@@ -36,7 +36,7 @@ fn apart(a: f64, b: f64) -> f64 {
 
 impl OtherSide {
     /// The curves, those of the set walked the other way.
-    pub(super) fn turned(&self, cuts: &[Cut]) -> Vec<Cut> {
+    pub fn turned(&self, cuts: &[Cut]) -> Vec<Cut> {
         let turned = |cut: &Cut| match (cut.set == self.set, cut.heading) {
             (false, heading) => heading,
             (true, Heading::Along) => Heading::Against,

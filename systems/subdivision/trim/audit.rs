@@ -15,11 +15,11 @@ use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
 use selvedge_components::subdivision::{Border, Ends, FaceCode, LoopSurface};
 use selvedge_components::trim::{TrimAudit, TrimAuditFault, TrimFault, TrimOptions, TrimQuantum};
 
-use super::ground::Ground;
+use super::ground::{Ground, unevaluated};
 use crate::closest::SurfaceIndex;
 use crate::foot;
 use crate::parallel::map_dear_in_order;
-use crate::subdivision::limit::{LimitBuild, LimitError, LimitSurface, Nest};
+use crate::subdivision::limit::{LimitBuild, LimitSurface, Nest};
 use crate::subdivision::remesh::{FaceOrigin, Remeshed};
 
 /// Faces measured in one work quantum: some milliseconds.
@@ -112,10 +112,6 @@ impl TrimAuditWork {
             Stage::Done => Ok(TrimQuantum::Finished),
         }
     }
-}
-
-fn unevaluated(why: &LimitError) -> TrimFault {
-    TrimFault::Unevaluated { why: why.to_string() }
 }
 
 /// A trim that is being measured.

@@ -7,8 +7,8 @@ use glam::DVec3;
 use selvedge_components::subdivision::LoopSurface;
 use selvedge_components::trim::TrimFault;
 
-use crate::closest::{Search, SurfaceIndex, SurfaceTarget};
-use crate::subdivision::limit::LimitSurface;
+use crate::closest::{IndexBuild, Search, SurfaceIndex, SurfaceTarget};
+use crate::subdivision::limit::{LimitBuild, LimitSurface};
 
 /// The limit surface of a source, ready to be searched: what curves are located on, fitted to and
 /// measured against. Derived from a snapshot, shared by all trims of it, and dropped at will.
@@ -38,13 +38,12 @@ impl Ground {
     /// # Errors
     /// [`TrimFault::Unevaluated`].
     pub fn new(surface: Arc<LoopSurface>, revision: u64) -> Result<Self, TrimFault> {
-        let unevaluated = |why: &dyn core::fmt::Display| TrimFault::Unevaluated { why: why.to_string() };
-        let limit = LimitSurface::new(Arc::clone(&surface)).map_err(|why| unevaluated(&why))?;
-        let index = SurfaceIndex::new(Arc::new(limit)).map_err(|why| unevaluated(&why))?;
-        let (edge, size) = (mean_edge(&surface), diagonal(&surface.points));
-        let greatest = surface.points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-        let rounding = ROUNDINGS * f64::EPSILON * greatest;
-        Ok(Self { surface, revision, index: Arc::new(index), edge, size, rounding })
+        let mut build = GroundBuild::new(surface, revision)?;
+        loop {
+            if let Some(ground) = build.advance()? {
+                return Ok(ground);
+            }
+        }
     }
 
     /// The limit surface.
@@ -57,6 +56,65 @@ impl Ground {
     pub fn target(&self, search: Search) -> SurfaceTarget<LimitSurface> {
         SurfaceTarget { index: Arc::clone(&self.index), search, revision: self.revision }
     }
+}
+
+/// A [`Ground`] in the making, step by step.
+#[derive(Debug)]
+pub struct GroundBuild {
+    surface: Arc<LoopSurface>,
+    revision: u64,
+    stage: Stage,
+}
+
+#[derive(Debug)]
+enum Stage {
+    Limit(Box<LimitBuild>),
+    Index(IndexBuild<LimitSurface>),
+}
+
+impl GroundBuild {
+    /// Begins to prepare `surface`, which was gathered at `revision`.
+    ///
+    /// # Errors
+    /// [`TrimFault::Unevaluated`].
+    pub fn new(surface: Arc<LoopSurface>, revision: u64) -> Result<Self, TrimFault> {
+        let limit = LimitBuild::new(Arc::clone(&surface)).map_err(|why| unevaluated(&why))?;
+        Ok(Self { surface, revision, stage: Stage::Limit(Box::new(limit)) })
+    }
+
+    /// The revision of the snapshot that is being prepared.
+    pub const fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Takes the next step; the ground, once it is prepared.
+    ///
+    /// # Errors
+    /// [`TrimFault::Unevaluated`].
+    pub fn advance(&mut self) -> Result<Option<Ground>, TrimFault> {
+        match &mut self.stage {
+            Stage::Limit(limit) => {
+                if let Some(limit) = limit.advance().map_err(|why| unevaluated(&why))? {
+                    self.stage = Stage::Index(IndexBuild::new(Arc::new(limit)));
+                }
+                Ok(None)
+            }
+            Stage::Index(index) => Ok(index.advance().map_err(|why| unevaluated(&why))?.map(|index| self.ground(index))),
+        }
+    }
+
+    fn ground(&self, index: SurfaceIndex<LimitSurface>) -> Ground {
+        let surface = Arc::clone(&self.surface);
+        let (edge, size) = (mean_edge(&surface), diagonal(&surface.points));
+        let greatest = surface.points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        let rounding = ROUNDINGS * f64::EPSILON * greatest;
+        Ground { surface, revision: self.revision, index: Arc::new(index), edge, size, rounding }
+    }
+}
+
+/// The source cannot be evaluated.
+pub(super) fn unevaluated(why: &dyn core::fmt::Display) -> TrimFault {
+    TrimFault::Unevaluated { why: why.to_string() }
 }
 
 fn mean_edge(surface: &LoopSurface) -> f64 {

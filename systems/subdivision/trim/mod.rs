@@ -33,7 +33,7 @@ pub use admit::{Candidate, Known, Reads, Source, Verdict, admit_trims, anything_
 pub use advance::advance_trims;
 pub use audit::TrimAuditWork;
 pub use compose::{ComposedOf, Misfit, Solved, ZoneOf, compose, compose_results};
-pub use ground::Ground;
+pub use ground::{Ground, GroundBuild};
 pub use group::{Group, groups};
 pub use locate::{LocateWork, Located};
 pub use other::OtherWork;

@@ -121,7 +121,7 @@ impl TrimWork {
 
     /// Has the remeshing kept to the faces that are reserved? In a zone nothing else may change, and of
     /// the border what is not in it as a whole.
-    fn keeps_to_its_zone(&self, remeshed: &Remeshed) -> bool {
+    pub(super) fn keeps_to_its_zone(&self, remeshed: &Remeshed) -> bool {
         let Some(zone) = &self.zone else { return true };
         let is_reserved = |face: &FaceCode| match remeshed.face_origin[face.root_face(0).index()] {
             FaceOrigin::Leaf { level, code } | FaceOrigin::Closure { level, code } => {
@@ -343,16 +343,13 @@ impl TrimWork {
             let (trim, step) = (other.trim, other.advance(self));
             self.others.push(other);
             let step = step.map_err(|why| of_other(trim, why))?;
-            return Ok(if self.next_other().is_some() { TrimQuantum::More } else { step });
+            let is_last = self.next_other().is_none();
+            return Ok(if step == TrimQuantum::Finished && !is_last { TrimQuantum::More } else { step });
         }
         let (Some(trim), Some(remeshed)) = (self.next_other(), self.remeshed.clone()) else {
             return Ok(TrimQuantum::Finished);
         };
-        let other = OtherWork::new(self, trim, remeshed).map_err(|why| of_other(trim, why))?;
-        if !self.keeps_to_its_zone(&other.remeshed) {
-            return Ok(TrimQuantum::Widen);
-        }
-        self.others.push(other);
+        self.others.push(OtherWork::new(self, trim, remeshed).map_err(|why| of_other(trim, why))?);
         Ok(TrimQuantum::More)
     }
 

@@ -27,7 +27,7 @@ use crate::subdivision::remesh::Cut;
 use crate::subdivision::trim::compose::Solved;
 use crate::subdivision::trim::group::groups;
 use crate::subdivision::trim::traces::{Traces, WorkTraces};
-use crate::subdivision::trim::{Ground, LocateWork, TrimWork};
+use crate::subdivision::trim::{Ground, GroundBuild, LocateWork, TrimWork};
 
 type Job = (
     Entity,
@@ -53,8 +53,14 @@ pub struct Reads<'w, 's> {
     budgets: Option<Res<'w, Budgets>>,
 }
 
-/// The trims of each source in the pass before, in their order.
-pub type Known = EntityHashMap<Vec<Entity>>;
+/// What is known from the pass before.
+#[derive(Debug, Default)]
+pub struct Known {
+    /// The trims of each source, in their order.
+    trims: EntityHashMap<Vec<Entity>>,
+    /// The sources that are being prepared.
+    grounds: EntityHashMap<GroundBuild>,
+}
 
 impl core::fmt::Debug for Reads<'_, '_> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
@@ -75,26 +81,26 @@ pub fn admit_trims(
     let mut freed = EntityHashSet::default();
     let sources = by_source(&mut commands, &trims, &mut freed);
     // Trims that are gone leave details behind.
-    freed.extend(known.values().flatten().filter(|&&trim| !trims.contains(trim)));
-    let before = core::mem::take(&mut *known);
+    freed.extend(known.trims.values().flatten().filter(|&&trim| !trims.contains(trim)));
+    let before = core::mem::take(&mut known.trims);
     for source in before.keys().filter(|&&source| sources.iter().all(|(other, _)| *other != source)) {
         commands.entity(*source).queue_silenced(drop_result);
     }
     let mut starts = Vec::new();
     for (source, trims) in &sources {
-        known.insert(*source, trims.iter().map(|trim| trim.0).collect());
+        known.trims.insert(*source, trims.iter().map(|trim| trim.0).collect());
         run.counted.items += trims.len() as u64;
         let before = before.get(source).map_or(&[][..], Vec::as_slice);
         let admitted = admit_source(&mut commands, (*source, trims), before, &reads, &mut run.counted);
-        freed.extend(admitted.refused.iter().chain(admitted.starts.iter().map(|(trim, _)| trim)));
-        starts.extend(admitted.starts.into_iter().map(|(trim, inputs)| (*source, trim, inputs)));
+        freed.extend(admitted.refused.iter().copied().chain(admitted.starts.iter().map(|start| start.trim)));
+        starts.extend(admitted.starts);
         // Only then can the groups be other ones.
         let regroup = admitted.changed || trims.iter().any(|t| t.5.is_some_and(|job| job.state == TrimState::Located));
         if admitted.settled && regroup {
             freed.extend(begin_groups(&mut commands, trims, &mut run.counted));
         }
     }
-    begin_locating(&mut commands, starts, &reads.surfaces);
+    begin_locating(&mut commands, starts, &reads.surfaces, &mut known.grounds);
     discard(&mut commands, &freed, reads.details.iter().map(|(detail, of)| (detail, of.0)));
     if let Some(mut diagnostics) = diagnostics {
         diagnostics.admit += run.finish();
@@ -130,10 +136,20 @@ where
     sources
 }
 
+/// A trim whose curves are to be located.
+struct Start {
+    source: Entity,
+    trim: Entity,
+    /// What it reads.
+    inputs: TrimInputs,
+    /// How many quanta it has waited.
+    quanta: u64,
+}
+
 /// What has come of the trims of one source.
 struct Admitted {
-    /// Those whose curves are to be located, and what they read.
-    starts: Vec<(Entity, TrimInputs)>,
+    /// Those whose curves are to be located.
+    starts: Vec<Start>,
     refused: Vec<Entity>,
     /// Is every one that can be made located?
     settled: bool,
@@ -165,7 +181,9 @@ fn admit_source(
             Verdict::Wait => admitted.settled = false,
             Verdict::Locate => {
                 admitted.settled = false;
-                admitted.starts.push((candidate.trim, candidate.now));
+                let waited = trims.iter().find(|trim| trim.0 == candidate.trim).and_then(|trim| trim.5);
+                let quanta = waited.filter(|job| job.inputs == candidate.now).map_or(0, |job| job.quanta);
+                admitted.starts.push(Start { source, trim: candidate.trim, inputs: candidate.now, quanta });
             }
             Verdict::Refuse => {
                 admitted.refused.push(candidate.trim);
@@ -276,16 +294,20 @@ fn begin_groups(
     begun
 }
 
-/// Puts trims on their way, on what their sources are now.
+/// Puts trims on their way, on what their sources are now; those whose sources are yet being prepared wait
+/// for that, one step of it in a pass.
 fn begin_locating(
     commands: &mut Commands,
-    starts: Vec<(Entity, Entity, TrimInputs)>,
+    starts: Vec<Start>,
     surfaces: &Query<Surface, With<Cage>>,
+    grounds: &mut EntityHashMap<GroundBuild>,
 ) {
-    let mut made: EntityHashMap<Result<Arc<Ground>, TrimFault>> = EntityHashMap::default();
-    for (source, trim, inputs) in starts {
-        let ground = made.entry(source).or_insert_with(|| ground(source, surfaces));
-        if let (Ok(ground), Ok((_, _, before))) = (&*ground, surfaces.get(source))
+    // Those of others are not wanted any more.
+    grounds.retain(|source, _| starts.iter().any(|start| start.source == *source));
+    let mut made: EntityHashMap<Result<Option<Arc<Ground>>, TrimFault>> = EntityHashMap::default();
+    for Start { source, trim, inputs, quanta } in starts {
+        let ground = made.entry(source).or_insert_with(|| ground(source, surfaces, grounds));
+        if let (Ok(Some(ground)), Ok((_, _, before))) = (&*ground, surfaces.get(source))
             && before.is_none_or(|before| before.revision != ground.revision)
         {
             commands.entity(source).try_insert(Ground::clone(ground));
@@ -293,12 +315,18 @@ fn begin_locating(
         let cuts = inputs.cuts.iter().flatten();
         let cuts = cuts.map(|(curve, _, heading)| Cut::new(Arc::clone(curve), *heading)).collect();
         let begun = ground.clone().and_then(|ground| {
-            Ok(LocateWork::new(ground, cuts, inputs.options.clone(), inputs.tolerance)?.with_given(&inputs.given))
+            let work = ground.map(|ground| LocateWork::new(ground, cuts, inputs.options.clone(), inputs.tolerance));
+            Ok(work.transpose()?.map(|work| work.with_given(&inputs.given)))
         });
         match begun {
             Ok(work) => {
                 let job = TrimJob::new(TrimState::Running(TrimStage::Locate), inputs);
-                commands.entity(trim).try_remove::<Traces>().try_insert((job, work, AtLocate));
+                let mut trim = commands.entity(trim);
+                trim.try_remove::<Traces>();
+                match work {
+                    Some(work) => trim.try_insert((job, work, AtLocate)),
+                    None => trim.try_insert(TrimJob { quanta: quanta + 1, ..job }),
+                };
             }
             Err(why) => fail(commands, trim, inputs, why),
         }
@@ -326,17 +354,30 @@ fn mark_result(world: &mut World, result: Entity) {
     }
 }
 
-fn ground(source: Entity, surfaces: &Query<Surface, With<Cage>>) -> Result<Arc<Ground>, TrimFault> {
+/// A source, ready to be trimmed; `None` while it is yet being prepared, which takes one step more.
+fn ground(
+    source: Entity,
+    surfaces: &Query<Surface, With<Cage>>,
+    grounds: &mut EntityHashMap<GroundBuild>,
+) -> Result<Option<Arc<Ground>>, TrimFault> {
     let Ok((Some(snapshot), _, before)) = surfaces.get(source) else {
         return Err(TrimFault::NoSource { source_entity: source });
     };
-    if let Some(before) = before.filter(|before| before.revision == snapshot.revision) {
-        return Ok(Arc::new(before.clone()));
+    let revision = snapshot.revision;
+    if let Some(before) = before.filter(|before| before.revision == revision) {
+        return Ok(Some(Arc::new(before.clone())));
     }
-    let surface = Arc::clone(&snapshot.surface);
-    caught(|| Ground::new(surface, snapshot.revision))
-        .unwrap_or_else(|message| Err(TrimFault::Panicked { stage: TrimStage::Locate, message }))
-        .map(Arc::new)
+    let begun = grounds.remove(&source).filter(|build| build.revision() == revision);
+    let step = caught(|| match begun {
+        None => Ok((GroundBuild::new(Arc::clone(&snapshot.surface), revision)?, None)),
+        Some(mut build) => build.advance().map(|ground| (build, ground)),
+    });
+    let panicked = |message| Err(TrimFault::Panicked { stage: TrimStage::Locate, message });
+    let (build, ground) = step.unwrap_or_else(panicked)?;
+    if ground.is_none() {
+        grounds.insert(source, build);
+    }
+    Ok(ground.map(Arc::new))
 }
 
 /// Tells why a trim could not be made.

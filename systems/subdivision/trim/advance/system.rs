@@ -179,8 +179,8 @@ fn solved(job: &TrimJob, work: &TrimWork, number: u64) -> Option<Solved> {
         others: Vec::new(),
     };
     let others = work.others().iter().filter_map(|other| {
-        let surface = Arc::clone(other.surface()?);
-        Some((*job.together.get(other.trim)?, solved(Arc::clone(&other.remeshed), surface)))
+        let (remeshed, surface) = (Arc::clone(other.remeshed()?), Arc::clone(other.surface()?));
+        Some((*job.together.get(other.trim)?, solved(remeshed, surface)))
     });
     Some(Solved { others: others.collect(), ..solved(remeshed, surface) })
 }
