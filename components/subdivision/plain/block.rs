@@ -7,6 +7,7 @@
 //! begin. So much is read for nearly every place beside the vertex, and from one stretch of memory.
 
 use glam::DVec3;
+use prefetch_index::prefetch_index;
 
 use super::corner::{edge_point, step_centre, weigh};
 use super::limit::border_limit;
@@ -77,13 +78,18 @@ impl Blocks {
         }
     }
 
-    /// Reads a number of every line of the cache between two places.
+    /// Asks memory for the block at `place` of a vertex of `valence`, without waiting for it.
     #[inline(always)]
-    pub fn touch(&self, place: u32, count: u32) -> f64 {
+    pub fn prefetch(&self, place: u32, valence: u32) {
         let start = 3 * place as usize;
-        self.0[start..start + 3 * count as usize].iter().step_by(8).sum()
+        for line in (start..start + 3 * size(valence) as usize).step_by(LINE) {
+            prefetch_index(&self.0, line);
+        }
     }
 }
+
+/// How many numbers a line of the cache holds on most machines.
+const LINE: usize = 8;
 
 #[inline(always)]
 fn point<L: Load>(load: L, numbers: &[f64]) -> L::Vector {

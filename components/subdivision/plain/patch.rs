@@ -254,19 +254,15 @@ impl<'a, L: Load> PatchReader<'a, L> {
         CornerPieces::all(self.load, &self.finer(face).corner(usize::from(corner)), corner)
     }
 
-    /// Reads a little of everything that a face which is not regular is made of, all at once: what is
-    /// far away in memory is then waited for once and not step by step. A number of no meaning, to be
-    /// handed to [`black_box`](core::hint::black_box).
+    /// Asks memory for everything that a face which is not regular is made of, without waiting for it.
     #[inline(always)]
-    pub fn touch(&self, face: FaceId) -> f64 {
+    pub fn prefetch(&self, face: FaceId) {
         if self.surface.topology.is_regular(face) {
-            return 0.0;
+            return;
         }
-        let mut sum = 0.0;
         for corner in self.surface.topology.finer_corners(face) {
-            sum += self.surface.finer.touch(corner.block, RING + corner.valence);
+            self.surface.finer.prefetch(corner.block, corner.valence);
         }
-        sum
     }
 
     #[inline(always)]
