@@ -170,7 +170,7 @@ impl Put for InOrder<'_> {
         self.0[index] = jet;
     }
 
-    /// What is written in a row the machine itself asks for.
+    /// What is written in a row the machine asks for by itself.
     #[inline(always)]
     fn prefetch(&self, _: usize) {}
 }

@@ -102,6 +102,7 @@ pub(super) struct Worker<'a, L: Store> {
     store: L,
     surface: &'a PlainLoop,
     reader: PatchReader<'a, L>,
+    /// The places in work and those after them, in turn.
     blocks: [Block; 2],
     corners: [CornerPieces<'a, L>; 3],
     /// By the index of a piece.
@@ -118,7 +119,8 @@ impl<'a, L: Store> Worker<'a, L> {
         Self { store, surface, reader, blocks: [Block::EMPTY; 2], corners, pieces: Vec::new(), faces: 0 }
     }
 
-    /// Evaluates `places`; what has the same face should stand together.
+    /// Evaluates `places`; what has the same face should stand together. While one block is in work,
+    /// memory is asked for what the next one needs: what is far away is then waited for hardly at all.
     #[inline(always)]
     pub fn run(&mut self, places: &[impl Located], put: &mut impl Put) {
         let irregular = self.surface.topology().irregular_count() > 0;
