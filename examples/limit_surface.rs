@@ -12,9 +12,8 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use selvedge::glam::DVec3;
-use selvedge::io::tags::Unkept;
 use selvedge::io::{Limits, glb, obj, read_cage};
-use selvedge::scenes::limit::{limit, spot};
+use selvedge::scenes::limit::{LimitRow, limit, spot};
 use selvedge::scenes::limit_pictures;
 use selvedge_systems::triangulate::{Density, TriangulateOptions};
 
@@ -30,25 +29,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     let options =
         TriangulateOptions { density: Density::Chord(1e-3 * low.distance(high)), ..TriangulateOptions::default() };
     let start = Instant::now();
-    let made = limit(&cage, &options)?.triangulation;
+    let made = limit(&cage, &options)?;
     let seconds = start.elapsed().as_secs_f64();
 
     fs::create_dir_all("out")?;
-    let triangles = &made.triangles;
+    let triangles = &made.triangulation.triangles;
     let file = glb::write(&[glb::Object { name: &name, surface: triangles, extras: None }])?;
     fs::write(format!("out/{name}.glb"), &file.bytes)?;
     obj::write(&mut fs::File::create(format!("out/{name}.obj"))?, triangles)?;
     limit_pictures::figure(&cage, triangles, 720)?.save(format!("out/{name}.png"))?;
 
-    let chord = made.report.chord.ok_or("a chord was asked for")?;
-    let creases = cage.import.unkept.iter().filter(|what| matches!(what, Unkept::Crease(_))).count();
-    let row = serde_json::json!({
-        "name": name, "corners_kept": cage.corners.len(), "creases_reported": creases,
-        "not_kept": cage.import.unkept.iter().map(ToString::to_string).collect::<Vec<_>>(), "control_points": cage.positions.len(), "cage_triangles": cage.triangles.len(),
-        "vertices": triangles.positions.len(), "triangles": triangles.triangles.len(),
-        "chord_asked": chord.asked, "chord_achieved": chord.achieved, "chord_samples": chord.samples,
-        "worst_shape": made.report.worst_shape, "file_error": file.objects[0].error, "seconds": seconds,
-    });
+    let mut row = serde_json::to_value(LimitRow::new(name, &cage, &made))?;
+    row["file_error"] = file.objects[0].error.into();
+    row["seconds"] = seconds.into();
     if flags.iter().any(|flag| flag == "--json") {
         say!("{}", serde_json::json!([row]));
     } else {

@@ -2,9 +2,11 @@
 
 mod support;
 
+use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 use glam::DVec3;
+use selvedge_components::curve::{CircularArc, Curve, FnCurve};
 use selvedge_components::mesh::VertexId;
 use selvedge_components::subdivision::{CornerRule, CornerTable, Kind, LimitRows, LoopSurface, Rows};
 use selvedge_systems::subdivision::chain;
@@ -12,7 +14,7 @@ use selvedge_systems::subdivision::fit::{FitError, FitOptions, FitWork, Outcome,
 use selvedge_systems::subdivision::modify::response;
 use selvedge_systems::subdivision::quasi::{BoundaryStencil, CornerStencil};
 use selvedge_systems::target::{Projection, Target};
-use support::{octant, spherical_fan};
+use support::{octant, octant_along, spherical_fan};
 
 fn sphere() -> Arc<dyn Target> {
     Arc::new(Projection(|p: DVec3| p.normalize() * 0.5))
@@ -37,6 +39,23 @@ fn least_squares_reach_the_ladder_of_the_octant() {
     }
     assert_eq!(work.ladder().len(), bounds.len());
     assert!(work.ladder()[5].mean < 1e-9);
+}
+
+/// A curve of which nothing but positions is known, a closure, costs no accuracy: the ladder of the same
+/// arc with all its derivatives.
+#[test]
+fn a_closure_of_positions_reaches_the_same_ladder() {
+    let arc = |from: DVec3, to: DVec3| {
+        CircularArc::from_axes(DVec3::ZERO, from, to, 0.5, 0.0, FRAC_PI_2).expect("a quarter of a circle")
+    };
+    let known = octant_along("cone(1,2)", |from, to| Arc::new(arc(from, to)));
+    let opaque = octant_along("cone(1,2)", |from, to| {
+        let arc = arc(from, to);
+        Arc::new(FnCurve::new(move |u| arc.position(u)))
+    });
+    let ladders = [known, opaque].map(|surface| maxima(&fit(&surface, FitOptions::default())));
+    assert_eq!(ladders[0], ladders[1]);
+    assert!(ladders[1][5] < 0.15e-6, "{ladders:?}");
 }
 
 #[test]

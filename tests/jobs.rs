@@ -10,15 +10,18 @@ use glam::DVec3;
 use selvedge::budget::{Budget, Budgets};
 use selvedge::diagnostics::SubdivisionDiagnostics;
 use selvedge::error::{FitFailed, FitFault, SurfaceFailed};
-use selvedge::evaluate::SurfacePoint;
+use selvedge::evaluate::{Evaluate, SurfacePoint};
 use selvedge::job::{AtCorrespond, AtModify, AtRefine, Cancelled, Fit, FitJob, FitTarget, JobState};
+use selvedge::mesh::FaceId;
 use selvedge::report::FitReport;
 use selvedge::subdivision::fit::{FitError, FitOptions, Outcome, Quantum, Stage};
 use selvedge::subdivision::{Address, ControlPoints, Detail, DetailLevel, DetailOf, Position};
 use selvedge::target::{Foot, TargetError};
 use selvedge::tolerance::Tolerance;
 use selvedge::{Projection, Target, cancel_fit, despawn_surface, spawn_fit, spawn_surface};
+use selvedge_systems::closest::{SurfaceIndex, SurfaceTarget};
 use selvedge_systems::subdivision::fit::FitWork;
+use selvedge_systems::subdivision::limit::LimitSurface;
 use support::octant;
 use support::world::{bits, by_hand, details_of, down_to, dump_without_resources, host, octahedron, snapshot, sphere};
 
@@ -68,6 +71,36 @@ fn a_job_finds_what_its_kernel_finds_alone() {
     assert_eq!(report.ladder, alone.ladder());
     assert_eq!(report.outcome, Outcome::Within);
     assert_eq!(&snapshot(&world, surface).surface.details, alone.details());
+}
+
+/// What a job fits to can be a surface of the world: of another mesh here, and of a distance to the
+/// sphere that is known.
+#[test]
+fn a_job_fits_one_surface_to_another() {
+    const TOLERANCE: f64 = 1e-5;
+    let (mut world, mut schedule) = host();
+    let model = spawn_surface(&mut world, &octant("cone(1,1)"));
+    let first = spawn_fit(&mut world, model, sphere(), down_to(5));
+    finish(&mut world, &mut schedule, first);
+    let known = world.get::<FitReport>(first).unwrap().ladder[5].max;
+
+    let limit = LimitSurface::new(Arc::clone(&snapshot(&world, model).surface)).unwrap();
+    let target = SurfaceTarget::new(Arc::new(SurfaceIndex::new(Arc::new(limit)).unwrap()));
+    let copy = spawn_surface(&mut world, &octant("cone(1,2)"));
+    let options = FitOptions { tolerance: Some(TOLERANCE), last_level: 5, ..FitOptions::default() };
+    let second = spawn_fit(&mut world, copy, Arc::new(target), options);
+    finish(&mut world, &mut schedule, second);
+    assert_eq!(world.get::<FitReport>(second).unwrap().outcome, Outcome::Within);
+
+    let limit = LimitSurface::new(Arc::clone(&snapshot(&world, copy).surface)).unwrap();
+    let mut worst = 0.0_f64;
+    for face in (0..limit.face_count()).map(FaceId::new) {
+        for (i, j) in (0..=20).flat_map(|i| (0..=20 - i).map(move |j| (i, j))) {
+            let at = SurfacePoint::new(face, f64::from(i) / 20.0, f64::from(j) / 20.0);
+            worst = worst.max((limit.position(at).length() - 0.5).abs());
+        }
+    }
+    assert!(known < 1e-6 && worst <= TOLERANCE + known, "{worst:e} where the model is off by {known:e}");
 }
 
 #[test]

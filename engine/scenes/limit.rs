@@ -4,9 +4,12 @@ use std::sync::Arc;
 
 use selvedge_components::mesh::{Connectivity, Fault};
 use selvedge_components::subdivision::LoopSurface;
+use selvedge_components::triangulation::ChordReport;
 use selvedge_systems::triangulate::{TriangulateError, TriangulateOptions, Triangulation, triangulate};
+use serde::Serialize;
 use thiserror::Error;
 
+use crate::io::tags::Unkept;
 use crate::io::{Cage, Limits, ReadError, obj};
 
 /// An artist's control cage that comes with the engine: 188 vertices, faces of three to five sides.
@@ -59,4 +62,57 @@ pub fn limit(cage: &Cage, options: &TriangulateOptions) -> Result<Limit, LimitEr
     let surface = LoopSurface::plain(Arc::new(mesh), cage.positions.clone(), &cage.corners);
     let triangulation = triangulate(&surface, options)?;
     Ok(Limit { surface, triangulation })
+}
+
+/// What became of a cage and of its tags, in figures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct LimitRow {
+    /// Of the cage.
+    pub name: String,
+    /// At how many border vertices the border has a corner.
+    pub corners_kept: usize,
+    /// How many edges were to be creases; all are smooth.
+    pub creases_reported: usize,
+    /// All that the file asked for and that the surface does not have, each in words.
+    pub not_kept: Vec<String>,
+    /// How many control points there are.
+    pub control_points: usize,
+    /// How many triangles the cage was cut into.
+    pub cage_triangles: usize,
+    /// How many vertices the triangulation of the limit surface has.
+    pub vertices: usize,
+    /// How many triangles it has.
+    pub triangles: usize,
+    /// The distance to the limit surface that was asked for, in model units; none where levels were.
+    pub chord_asked: Option<f64>,
+    /// The distance that was measured.
+    pub chord_achieved: Option<f64>,
+    /// At how many points.
+    pub chord_samples: Option<usize>,
+    /// The worst shape of a triangle, as in
+    /// [`TriangulationReport`](selvedge_components::triangulation::TriangulationReport).
+    pub worst_shape: f64,
+}
+
+impl LimitRow {
+    /// The figures of `limit`, which was made of `cage`.
+    pub fn new(name: impl Into<String>, cage: &Cage, limit: &Limit) -> Self {
+        let (unkept, report) = (&cage.import.unkept, &limit.triangulation.report);
+        let chord = |number: fn(&ChordReport) -> f64| report.chord.as_ref().map(number);
+        Self {
+            name: name.into(),
+            corners_kept: cage.corners.len(),
+            creases_reported: unkept.iter().filter(|what| matches!(what, Unkept::Crease(_))).count(),
+            not_kept: unkept.iter().map(ToString::to_string).collect(),
+            control_points: cage.positions.len(),
+            cage_triangles: cage.triangles.len(),
+            vertices: limit.triangulation.triangles.positions.len(),
+            triangles: limit.triangulation.triangles.triangles.len(),
+            chord_asked: chord(|chord| chord.asked),
+            chord_achieved: chord(|chord| chord.achieved),
+            chord_samples: report.chord.as_ref().map(|chord| chord.samples),
+            worst_shape: report.worst_shape,
+        }
+    }
 }

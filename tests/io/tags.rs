@@ -1,5 +1,8 @@
 use selvedge::io::tags::{BorderCorners, Corner, Crease, TagError, Tags};
+use selvedge::io::{Cage, Limits, obj};
+use selvedge::scenes::limit::{LimitRow, limit};
 use selvedge_components::mesh::VertexId;
+use selvedge_systems::triangulate::TriangulateOptions;
 
 fn read(tags: &[&str]) -> Result<Tags, TagError> {
     Tags::from_json(serde_json::to_string(tags).unwrap().as_bytes())
@@ -70,4 +73,34 @@ fn a_file_that_is_no_list_of_strings_is_refused_with_its_place() {
         assert!(matches!(Tags::from_json(text.as_bytes()), Err(TagError::Json { line: 1, .. })), "{text}");
     }
     assert!(matches!(Tags::from_json(b"[\n\"a 0/0/0\",\n7]"), Err(TagError::Json { line: 3, .. })));
+}
+
+/// Corners on the border are kept, and the limit surface stays at them; corners inside and creases are
+/// named, one by one, in what is said of the surface.
+#[test]
+fn corners_are_kept_and_creases_reported() {
+    let vertices: String = (0..9).map(|v| format!("v {} {} {}\n", v % 3, v / 3, v % 2)).collect();
+    let text = vertices + "f 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\nf 5 6 9 8\n";
+    let mut polygons = obj::read(text.as_bytes(), &Limits::default()).unwrap();
+    let tags = ["corner 3/1/0 0 2 4 10", "crease 4/1/0 1 4 4 7 3", "hole 1/0/0 0"];
+    polygons.tags = read(&tags).unwrap();
+    let cage = Cage::from_polygons(polygons).unwrap();
+    assert_eq!(cage.corners, [VertexId(0), VertexId(2)]);
+
+    let made = limit(&cage, &TriangulateOptions::default()).unwrap();
+    let row = LimitRow::new("four squares", &cage, &made);
+    assert_eq!((row.corners_kept, row.creases_reported), (2, 2));
+    let said = [
+        "a corner of sharpness 10 at vertex 4",
+        "a crease of sharpness 3 along edge 1-4",
+        "a crease of sharpness 3 along edge 4-7",
+        "the tag \"hole 1/0/0 0\"",
+    ];
+    let (mut found, mut expected) = (row.not_kept.clone(), said.to_vec());
+    found.sort();
+    expected.sort_unstable();
+    assert_eq!(found, expected);
+    // Where the border has no corner it passes the control point by.
+    let stays = |v: usize| made.triangulation.triangles.positions.contains(&cage.positions[v]);
+    assert_eq!([0, 2, 6, 8].map(stays), [true, true, false, false]);
 }

@@ -244,6 +244,11 @@ pub fn smooth_interior(surface: &mut LoopSurface) {
 
 /// The sphere octant of radius 0.5 over one of the meshes of `data/plates/octant.json`.
 pub fn octant(name: &str) -> LoopSurface {
+    octant_along(name, |from, to| Arc::new(GreatArc { from, to, radius: 0.5 }))
+}
+
+/// As [`octant`], along the quarter circles that `arc` gives from one axis to the next.
+pub fn octant_along(name: &str, arc: impl Fn(DVec3, DVec3) -> Arc<dyn Curve>) -> LoopSurface {
     let text = include_str!("../../data/plates/octant.json");
     let json: serde_json::Value = serde_json::from_str(text).expect("the file is JSON");
     let mesh = &json["meshes"][name];
@@ -252,12 +257,12 @@ pub fn octant(name: &str) -> LoopSurface {
     let count = mesh["vertices"].as_u64().expect("a count") as usize;
     let mut points = vec![DVec3::ZERO; count];
     let sides = chains.iter().enumerate().map(|(k, ids)| {
-        let curve = GreatArc { from: DVec3::AXES[k], to: DVec3::AXES[(k + 1) % 3], radius: 0.5 };
+        let curve = arc(DVec3::AXES[k], DVec3::AXES[(k + 1) % 3]);
         let list: Vec<f64> = (0..ids.len()).map(|i| i as f64 / (ids.len() - 1) as f64).collect();
         for (&v, &u) in ids.iter().zip(&list) {
             points[v as usize] = curve.position(u);
         }
-        given(ids, parameters(Arc::new(curve), list))
+        given(ids, parameters(curve, list))
     });
     let sides = sides.collect();
     let mesh = Arc::new(Connectivity::new(count, &triangles).expect("the octant is a manifold"));

@@ -7,6 +7,7 @@
 //! begin. So much is read for nearly every place beside the vertex, and from one stretch of memory.
 
 use glam::DVec3;
+use prefetch_index::prefetch_index;
 
 use super::corner::{edge_point, step_centre, weigh};
 use super::limit::border_limit;
@@ -77,13 +78,24 @@ impl Blocks {
         }
     }
 
-    /// Reads a number of every line of the cache between two places.
+    /// Asks memory for the block at `place` of a vertex of `valence`, without waiting for it.
     #[inline(always)]
-    pub fn touch(&self, place: u32, count: u32) -> f64 {
+    pub fn prefetch(&self, place: u32, valence: u32) {
         let start = 3 * place as usize;
-        self.0[start..start + 3 * count as usize].iter().step_by(8).sum()
+        for line in 0..USUAL_LINES {
+            prefetch_index(&self.0, start + line * LINE);
+        }
+        // Beyond what nearly all need; how many fewer some do is not worth a branch that cannot be foreseen.
+        for line in USUAL_LINES..(3 * size(valence) as usize).div_ceil(LINE) {
+            prefetch_index(&self.0, start + line * LINE);
+        }
     }
 }
+
+/// How many numbers a line of the cache holds on most machines.
+const LINE: usize = 8;
+/// How many lines the block of a vertex of valence 6 takes.
+const USUAL_LINES: usize = (3 * size(6) as usize).div_ceil(LINE);
 
 #[inline(always)]
 fn point<L: Load>(load: L, numbers: &[f64]) -> L::Vector {

@@ -1,6 +1,7 @@
 //! Control points of the regular pieces of a face.
 
 use glam::DVec3;
+use prefetch_index::prefetch_index;
 
 use super::PlainLoop;
 use super::block::{FIRST, LIMIT, RING, SECOND};
@@ -181,13 +182,8 @@ impl<'a, L: Load> FinerNet<'a, L> {
     #[inline(always)]
     fn corner(&self, i: usize) -> Corner<'a, L::Vector> {
         let FinerCorner { rule, block, valence, first, before, after } = self.corners[i];
-        let (next, last) = if i == 0 {
-            (1, 2)
-        } else if i == 1 {
-            (2, 0)
-        } else {
-            (0, 1)
-        };
+        // Looked up, because for random places no branch on the corner could be foreseen.
+        let (next, last) = ([1, 2, 0][i], [2, 0, 1][i]);
         let limit = self.limit(i);
         // From the other corners' limits to this one's.
         let (of_next, of_last) = (self.limit(next) - limit, self.limit(last) - limit);
@@ -254,19 +250,19 @@ impl<'a, L: Load> PatchReader<'a, L> {
         CornerPieces::all(self.load, &self.finer(face).corner(usize::from(corner)), corner)
     }
 
-    /// Reads a little of everything that a face which is not regular is made of, all at once: what is
-    /// far away in memory is then waited for once and not step by step. A number of no meaning, to be
-    /// handed to [`black_box`](core::hint::black_box).
+    /// Asks memory for what `face` is made of, without waiting for it: for most of it where it is regular,
+    /// for all of it where it is not.
     #[inline(always)]
-    pub fn touch(&self, face: FaceId) -> f64 {
+    pub fn prefetch(&self, face: FaceId) {
         if self.surface.topology.is_regular(face) {
-            return 0.0;
+            for v in self.surface.topology.mesh().face(face) {
+                prefetch_index(&self.surface.points, v.index());
+            }
+            return;
         }
-        let mut sum = 0.0;
         for corner in self.surface.topology.finer_corners(face) {
-            sum += self.surface.finer.touch(corner.block, RING + corner.valence);
+            self.surface.finer.prefetch(corner.block, corner.valence);
         }
-        sum
     }
 
     #[inline(always)]

@@ -3,6 +3,7 @@
 //! Places are brought together by face; of a face that has several polynomials those that its places
 //! need are made, each once. Which places come together changes no bit of any result.
 
+use prefetch_index::prefetch_index;
 use pulp::{Arch, Simd, WithSimd};
 use selvedge_components::evaluate::{Jet, SurfacePoint};
 use selvedge_components::mesh::FaceId;
@@ -153,6 +154,11 @@ impl Put for Scattered<'_, '_> {
     fn put(&mut self, index: usize, jet: Jet) {
         self.jets[self.run[index].index as usize] = jet;
     }
+
+    #[inline(always)]
+    fn prefetch(&self, index: usize) {
+        prefetch_index(&*self.jets, self.run[index].index as usize);
+    }
 }
 
 /// Results go one after the other.
@@ -163,6 +169,10 @@ impl Put for InOrder<'_> {
     fn put(&mut self, index: usize, jet: Jet) {
         self.0[index] = jet;
     }
+
+    /// What is written in a row the machine asks for by itself.
+    #[inline(always)]
+    fn prefetch(&self, _: usize) {}
 }
 
 /// Evaluates sorted records and puts each result where it belongs.

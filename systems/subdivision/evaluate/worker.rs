@@ -1,6 +1,5 @@
 //! Evaluates places in turn; what one face is made of is made once, as far as its places need it.
 
-use core::hint::black_box;
 use core::ops::Range;
 
 use glam::DVec3;
@@ -23,6 +22,9 @@ pub(super) trait Located {
 pub(super) trait Put {
     /// Takes the result of the `index`-th place.
     fn put(&mut self, index: usize, jet: Jet);
+
+    /// Says that the result of the `index`-th place will be put soon.
+    fn prefetch(&self, index: usize);
 }
 
 /// Places that are looked at together: as many as that what their faces are made of fits into the
@@ -100,7 +102,8 @@ pub(super) struct Worker<'a, L: Store> {
     store: L,
     surface: &'a PlainLoop,
     reader: PatchReader<'a, L>,
-    block: Block,
+    /// The places in work and those after them, in turn.
+    blocks: [Block; 2],
     corners: [CornerPieces<'a, L>; 3],
     /// By the index of a piece.
     pieces: Vec<Made<L::Vector>>,
@@ -113,56 +116,72 @@ impl<'a, L: Store> Worker<'a, L> {
     pub fn new(surface: &'a PlainLoop, store: L) -> Self {
         let reader = PatchReader::new(surface, store);
         let corners = [reader.scratch(), reader.scratch(), reader.scratch()];
-        Self { store, surface, reader, block: Block::EMPTY, corners, pieces: Vec::new(), faces: 0 }
+        Self { store, surface, reader, blocks: [Block::EMPTY; 2], corners, pieces: Vec::new(), faces: 0 }
     }
 
-    /// Evaluates `places`; what has the same face should stand together.
+    /// Evaluates `places`; what has the same face should stand together. While one block is in work,
+    /// memory is asked for what the next one needs: what is far away is then waited for hardly at all.
     #[inline(always)]
     pub fn run(&mut self, places: &[impl Located], put: &mut impl Put) {
         let irregular = self.surface.topology().irregular_count() > 0;
         let mut last = None;
+        let mut ahead = places.chunks(BLOCK);
+        self.blocks[0].read(ahead.next().unwrap_or(&[]));
         for (number, places) in places.chunks(BLOCK).enumerate() {
-            self.block.read(places);
+            let next = ahead.next().unwrap_or(&[]);
+            self.blocks[(number + 1) % 2].read(next);
             if irregular {
-                self.look_at_faces(places);
-                self.block.find_pieces();
+                self.find_pieces(number, places);
             }
-            for run in 0..self.block.runs {
-                let run = self.block.run(run, places.len());
+            for run in 0..self.blocks[number % 2].runs {
+                self.prefetch(run, number + 1, next, put);
+                let run = self.blocks[number % 2].run(run, places.len());
                 let face = places[run.start].face();
                 if self.surface.topology().is_regular(face) {
-                    self.regular(face, run, BLOCK * number, put);
+                    self.regular(face, run, number, put);
                 } else {
                     if last != Some(face) {
                         self.begin_face();
                     }
-                    self.irregular(face, run, BLOCK * number, put);
+                    self.irregular(face, run, number, put);
                 }
                 last = Some(face);
             }
         }
     }
 
-    /// Notes which corners are regular; and reads a little of what the faces of `places` are made of, all
-    /// at once: what is far away in memory is then waited for once and not face by face.
+    /// Asks for what the `run`-th face of the next block is made of, and for where its results go.
     #[inline(always)]
-    fn look_at_faces(&mut self, places: &[impl Located]) {
-        let mut sum = 0.0;
-        for run in 0..self.block.runs {
-            let run = self.block.run(run, places.len());
-            let face = places[run.start].face();
-            sum += self.reader.touch(face);
-            let topology = self.surface.topology();
-            let regular = if topology.is_regular(face) { 0 } else { topology.regular_corners(face) };
-            self.block.regular[run].fill(regular);
+    fn prefetch(&self, run: usize, number: usize, places: &[impl Located], put: &impl Put) {
+        let block = &self.blocks[number % 2];
+        if run < block.runs {
+            let run = block.run(run, places.len());
+            self.reader.prefetch(places[run.start].face());
+            for i in run {
+                put.prefetch(BLOCK * number + i);
+            }
         }
-        black_box(sum);
+    }
+
+    /// Finds the pieces in which the places of a block lie.
+    #[inline(always)]
+    fn find_pieces(&mut self, number: usize, places: &[impl Located]) {
+        let topology = self.surface.topology();
+        let block = &mut self.blocks[number % 2];
+        for run in 0..block.runs {
+            let run = block.run(run, places.len());
+            let face = places[run.start].face();
+            let regular = if topology.is_regular(face) { 0 } else { topology.regular_corners(face) };
+            block.regular[run].fill(regular);
+        }
+        block.find_pieces();
     }
 
     #[inline(always)]
-    fn regular(&self, face: FaceId, run: Range<usize>, first: usize, put: &mut impl Put) {
+    fn regular(&self, face: FaceId, run: Range<usize>, number: usize, put: &mut impl Put) {
+        let (block, first) = (&self.blocks[number % 2], BLOCK * number);
         let quartic = self.reader.whole(face);
-        let at = self.block.s[run.clone()].iter().zip(&self.block.t[run.clone()]);
+        let at = block.s[run.clone()].iter().zip(&block.t[run.clone()]);
         for (i, (&s, &t)) in (first + run.start..).zip(at) {
             put.put(i, self.jet(&quartic, s, t, 1.0));
         }
@@ -177,15 +196,15 @@ impl<'a, L: Store> Worker<'a, L> {
     }
 
     #[inline(always)]
-    fn irregular(&mut self, face: FaceId, run: Range<usize>, first: usize, put: &mut impl Put) {
+    fn irregular(&mut self, face: FaceId, run: Range<usize>, number: usize, put: &mut impl Put) {
         for i in run {
             let i = i & (BLOCK - 1);
-            let piece = self.block.piece[i] as usize;
+            let piece = self.blocks[number % 2].piece[i] as usize;
             if self.pieces.get(piece).is_none_or(|made| made.face != self.faces) {
                 self.make(face, piece);
             }
-            let Made { scale, quartic, .. } = &self.pieces[piece];
-            put.put(first + i, self.jet(quartic, self.block.piece_s[i], self.block.piece_t[i], *scale));
+            let (Made { scale, quartic, .. }, block) = (&self.pieces[piece], &self.blocks[number % 2]);
+            put.put(BLOCK * number + i, self.jet(quartic, block.piece_s[i], block.piece_t[i], *scale));
         }
     }
 
