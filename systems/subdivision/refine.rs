@@ -12,7 +12,7 @@ use glam::DVec3;
 use selvedge_components::mesh::VertexId;
 use selvedge_components::subdivision::FaceCode;
 
-use super::fit::{FitError, FitWork, Outcome, Quantum, Rung, Stage, within};
+use super::fit::{FitError, FitWork, Outcome, Quantum, Region, Rung, Stage, within};
 use super::open::{OpenLevel, Opening};
 use super::region;
 use crate::parallel::map_in_order;
@@ -23,6 +23,10 @@ const QUANTUM: usize = 4096;
 /// The true maximum may exceed the one over 15 points by some 5 to 10 %: patches pass below this
 /// part of the tolerance.
 pub const MARGIN: f64 = 0.85;
+
+/// Where details can move what is too far off, a level leaves at most `lambda^2` of it, 0.39 at the
+/// highest valences. Two levels in a row that each leave more than this part of it have come to an end.
+const SLOW: f64 = 0.9;
 
 impl FitWork {
     /// Opens the next level, step by step, or measures the next points of the one that is open; all of
@@ -75,6 +79,10 @@ impl FitWork {
             return Ok(self.go_to(Stage::Correspond));
         }
         self.ladder.push(rung);
+        if self.is_stuck() {
+            self.unreachable = larger(self.unreachable, (rung.max_here, rung.max_at));
+            return Ok(self.finish(self.judgement((rung.max, rung.max_at))));
+        }
         let spent = self.open.level == self.options.last_level;
         if spent || patches.iter().all(|p| p.1 <= self.limit()) {
             return Ok(self.finish(self.judgement((rung.max, rung.max_at))));
@@ -86,6 +94,16 @@ impl FitWork {
     /// The error at which a patch is not good enough.
     fn limit(&self) -> f64 {
         self.options.tolerance.map_or(-1.0, |t| MARGIN * t)
+    }
+
+    /// Is something too far off that no level brings nearer? Next to faces that nothing may move each
+    /// level doubles its details along them and leaves what those faces are off.
+    fn is_stuck(&self) -> bool {
+        let Region::Faces(_) = self.options.region else { return false };
+        let [.., a, b, c] = &self.ladder[..] else { return false };
+        c.max_here > self.limit().max(0.0)
+            && self.options.tolerance.is_some()
+            && [[a, b], [b, c]].iter().all(|[before, after]| after.max_here > SLOW * before.max_here)
     }
 
     fn judgement(&self, (achieved, at): (f64, DVec3)) -> Outcome {

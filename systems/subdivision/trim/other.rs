@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use selvedge_components::subdivision::LoopSurface;
-use selvedge_components::subdivision::fit::Quantum;
+use selvedge_components::subdivision::fit::{Outcome, Quantum};
 use selvedge_components::trim::{OtherReport, TrimFault, TrimQuantum};
 
 use super::audit::TrimAuditWork;
@@ -53,6 +53,11 @@ impl OtherWork {
         match &mut self.stage {
             Stage::Fit => {
                 if self.fit.advance()? == Quantum::Finished {
+                    // A finished fit always says how.
+                    let outcome = self.fit.outcome().unwrap_or(Outcome::Within);
+                    if outcome != Outcome::Within {
+                        return Err(TrimFault::NotReached { outcome });
+                    }
                     let details = self.fit.details().clone();
                     let surface = LoopSurface { details, ..self.remeshed.surface.clone() };
                     let audit = work.audit_of(Arc::clone(&self.remeshed), Arc::new(surface))?;

@@ -436,6 +436,7 @@ impl TrimWork {
 
     /// Has a fit failed for want of faces that it may change, where more are to be had?
     pub fn may_fit_more(&self, why: &TrimFault) -> bool {
+        let why = if let TrimFault::OtherSide { why } = why { why } else { why };
         let short = matches!(why, TrimFault::NotReached { outcome: Outcome::OutOfReach { .. } });
         short && self.options.omega == Omega::Changed
     }
