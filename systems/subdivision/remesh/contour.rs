@@ -17,6 +17,7 @@ use selvedge_components::trim::Junction;
 use super::super::relax::curve_parameter;
 use super::borders::Borders;
 use super::crossing::{self, Crossing};
+use super::cusps;
 use super::junction::{self, JunctionOptions, Meeting};
 use super::other::OtherSide;
 use super::path::Leg;
@@ -218,7 +219,7 @@ pub fn arrange(
     let mesh = &*surface.mesh;
     let pre_image = |curve, source| RemeshError::PreImage { curve, source };
     let curves = Track::new(mesh, cuts, preimages).map_err(|(curve, source)| pre_image(curve, source))?;
-    check_cusps(&curves, cuts, options)?;
+    cusps::check(&curves, cuts, options)?;
     let ways = Ways::new(&curves, mesh.face_count());
     let crossings = crossing::find(&curves, &ways).map_err(|source| {
         pre_image(if let PreImageError::Crossing { curves, .. } = &source { curves[0] } else { 0 }, source)
@@ -249,44 +250,6 @@ pub fn arrange(
     let (track, junctions) = (built.track, built.junctions);
     let unused = (0..cuts.len()).filter(|&c| !used[c]).collect();
     Ok(Arrangement { contours, track, junctions, unused, given, stays })
-}
-
-/// Refuses places at which a curve turns back on itself: its corners, and wherever its points do.
-fn check_cusps(track: &Track, cuts: &[Cut], options: &JunctionOptions) -> Result<(), RemeshError> {
-    for p in track.points.iter().filter(|p| p.previous != NONE && p.next != NONE) {
-        let curve = &*cuts[p.curve as usize].curve;
-        let (before, after) = if p.corner {
-            (-curve.derivative_before(p.u), curve.derivative(p.u))
-        } else {
-            (aside(track, p, |p| p.previous), aside(track, p, |p| p.next))
-        };
-        let angle = before.angle_between(after).to_degrees();
-        if angle < options.angle {
-            let (curve, u, at) = (p.curve as usize, p.u, p.position);
-            return Err(RemeshError::Cusp { curve, u, at, angle, limit: options.angle });
-        }
-    }
-    Ok(())
-}
-
-/// Points nearer than this part of their coordinates have no direction from one to the other.
-const NO_WAY: f64 = 1e3 * f64::EPSILON;
-
-/// The way from a point of a track to the first one on one side that is not in the same place.
-fn aside(track: &Track, from: &TrackPoint, next: impl Fn(&TrackPoint) -> u32) -> DVec3 {
-    let least = NO_WAY * from.position.abs().max_element();
-    let mut at = next(from);
-    for _ in 0..track.tracks[from.cut as usize].count {
-        if at == NONE {
-            break;
-        }
-        let way = track.points[at as usize].position - from.position;
-        if way.length() > least {
-            return way;
-        }
-        at = next(&track.points[at as usize]);
-    }
-    DVec3::ZERO
 }
 
 /// A place where a curve is cut, or ends.

@@ -22,6 +22,7 @@ pub mod cleanup;
 pub mod closure;
 pub mod contour;
 mod crossing;
+mod cusps;
 pub mod field;
 pub mod hints;
 pub mod junction;
