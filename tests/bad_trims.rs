@@ -284,8 +284,10 @@ fn of_two_trims_along_one_curve_the_newer_fails_and_names_the_other() {
     }
 }
 
+type Plane = Arc<dyn Fn(f64) -> DVec2 + Send + Sync>;
+
 /// Closed plane curves with a cusp at a parameter, and where their cusp is.
-fn cusped(at: f64) -> [(&'static str, Arc<dyn Fn(f64) -> DVec2 + Send + Sync>, DVec2); 3] {
+fn cusped(at: f64) -> [(&'static str, Plane, DVec2); 3] {
     let cardioid = move |u: f64| {
         let angle = TAU * (u - at);
         0.04 * (1.0 - angle.cos()) * DVec2::from_angle(angle) + DVec2::new(0.01, 0.0)

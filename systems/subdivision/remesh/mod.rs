@@ -15,6 +15,7 @@
 //! that need it are taken a level finer and the whole is done again.
 
 pub mod adapt;
+pub mod arrange;
 pub mod assemble;
 pub mod attach;
 mod borders;
@@ -33,6 +34,7 @@ pub mod preimage;
 pub mod remove;
 mod sets;
 mod sides;
+mod stretch;
 pub mod track;
 pub mod winding;
 pub mod work;
@@ -60,8 +62,8 @@ pub use remove::Fate;
 pub use work::{RelaxQuantum, RemeshQuantum, RemeshWork};
 
 use super::relax::RelaxOptions;
+use arrange::Arrangement;
 use closure::{Adapted, Part};
-use contour::Arrangement;
 use leaves::Leaves;
 use remove::{Remains, Trouble};
 use track::Track;
