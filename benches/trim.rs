@@ -26,7 +26,7 @@ fn wavy_plate(criterion: &mut Criterion) {
     let surface = wavy::endless(22, SIZE / 22.0).expect("a lattice is a mesh");
     let mut group = group(criterion, "wavy plate of 484 squares, to 10 um");
     for count in [1, 8, 64] {
-        bench(&mut group, &format!("{count} bores"), &surface, &wavy::even_bores(count, wavy::SIZE), 1e-5);
+        bench(&mut group, &format!("{count} bores"), &surface, &wavy::even_bores(count, SIZE), 1e-5);
     }
     group.finish();
 }

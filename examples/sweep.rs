@@ -1,6 +1,7 @@
 //! You will see a table: random trims by stratum, how many were made, refused or wrong, and why.
 //!
-//! `sweep [COUNT] [--json]`: `COUNT` trims in all, 1000 unless told; few with `--json`, which prints rows.
+//! `sweep [COUNT] [--from STRATUM] [--json]`: `COUNT` trims in all, 1000 unless told; few with `--json`,
+//! which prints rows. With `--from`, the strata before that one, counted from 0, are left out.
 
 #[macro_use]
 #[path = "../engine/cli/say.rs"]
@@ -30,11 +31,13 @@ struct Row {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let json = args.iter().any(|a| a == "--json");
-    let count = args.iter().find(|a| *a != "--json").map(|a| a.parse::<usize>()).transpose()?;
+    let number = |a: Option<&String>| a.map(|a| a.parse::<usize>()).transpose();
+    let count = number(args.first().filter(|a| !a.starts_with("--")))?;
+    let from = number(args.iter().skip_while(|a| *a != "--from").nth(1))?.unwrap_or(0);
     let count = count.unwrap_or(if json { 32 } else { 1000 });
     let subjects = Subjects::new();
     let mut rows = Vec::new();
-    for (s, stratum) in STRATA.iter().enumerate() {
+    for (s, stratum) in STRATA.iter().enumerate().skip(from) {
         let cases = (count * (s + 1)).div_ceil(STRATA.len()) - (count * s).div_ceil(STRATA.len());
         let name = format!("{} {:?} {:?} {:?}", stratum.subject, stratum.shape, stratum.place, stratum.sizes);
         let mut row = Row { stratum: name, cases, ..Row::default() };

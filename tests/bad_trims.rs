@@ -283,3 +283,90 @@ fn of_two_trims_along_one_curve_the_newer_fails_and_names_the_other() {
         assert!(matches!(stage.engine.trim_progress(older), Some(TrimProgress::Finished(_))), "{name}");
     }
 }
+
+type Plane = Arc<dyn Fn(f64) -> DVec2 + Send + Sync>;
+
+/// Closed plane curves with a cusp at a parameter, and where their cusp is.
+fn cusped(at: f64) -> [(&'static str, Plane, DVec2); 3] {
+    let cardioid = move |u: f64| {
+        let angle = TAU * (u - at);
+        0.04 * (1.0 - angle.cos()) * DVec2::from_angle(angle) + DVec2::new(0.01, 0.0)
+    };
+    // The other two of its cusps come a third of the way before and after.
+    let deltoid = move |u: f64| {
+        let angle = TAU * (u - at);
+        0.03 * DVec2::new(2.0 * angle.cos() + (2.0 * angle).cos(), 2.0 * angle.sin() - (2.0 * angle).sin())
+    };
+    // A periodic cubic B-spline whose derivative is zero in the middle of one of its spans.
+    let control = [(0.05, 0.04), (-0.01, 0.0), (0.01, 0.0), (-0.05, 0.04), (0.0, 0.12)];
+    let control = control.map(|(x, y)| DVec2::new(x, y));
+    let spline = move |u: f64| {
+        let t = 5.0 * (u - at + 0.3).rem_euclid(1.0);
+        let (k, t) = (t.floor() as usize, t.fract());
+        let weights =
+            [(1.0 - t).powi(3), 3.0 * t.powi(3) - 6.0 * t * t + 4.0, 1.0 + 3.0 * (t + t * t - t.powi(3)), t.powi(3)];
+        weights.iter().enumerate().map(|(i, w)| control[(k + i + 4) % 5] * (w / 6.0)).sum()
+    };
+    let middle = spline(at);
+    [
+        ("cardioid", Arc::new(cardioid), DVec2::new(0.01, 0.0)),
+        ("deltoid", Arc::new(deltoid), DVec2::new(0.09, 0.0)),
+        ("spline", Arc::new(spline), middle),
+    ]
+}
+
+#[test]
+fn a_cusp_is_found_wherever_it_lies() {
+    let mut missed = Vec::new();
+    for at in [0.0, 0.3, 0.123456, 1.0 / 3.0, 0.4721359549995796, 0.9442719099991592] {
+        for (name, plane, tip) in cusped(at) {
+            for heading in [Heading::Along, Heading::Against] {
+                let mut stage = Stage::new();
+                let plane = Arc::clone(&plane);
+                let curve = on_plate(&stage.surface, move |u| plane(u));
+                let trim = stage.trim(curve, heading, tolerance());
+                let why = stage.failure(trim).why;
+                let TrimFault::Remesh(RemeshError::Cusp { curve: 0, u, at: point, angle, .. }) = why else {
+                    missed.push(format!("{name} {at} {heading:?}: {why}"));
+                    continue;
+                };
+                // A deltoid has three; the first of them along the curve is told.
+                let turns = if name == "deltoid" { 3.0 } else { 1.0 };
+                let off = (u - at) * turns;
+                let apart =
+                    if turns == 1.0 { point.truncate().distance(tip) } else { point.truncate().length() - 0.09 };
+                if (off - off.round()).abs() > 1e-5 || apart.abs() > 1e-9 || angle > 1.0 {
+                    missed.push(format!("{name} {at} {heading:?}: {why}"));
+                }
+                stage.is_untouched();
+            }
+        }
+    }
+    assert!(missed.is_empty(), "{missed:#?}");
+}
+
+#[test]
+fn what_bends_sharply_and_does_not_turn_back_is_no_cusp() {
+    // A stadium whose ends are half circles of a hundredth of its width, from anywhere on.
+    let slot = |radius: f64, from: f64| {
+        let (arc, line) = (0.5 * TAU * radius, 0.12);
+        move |u: f64| {
+            let s = (u + from).rem_euclid(1.0) * 2.0 * (arc + line);
+            let (half, s) = (if s < arc + line { 1.0 } else { -1.0 }, s % (arc + line));
+            let p = if s < line {
+                DVec2::new(s - 0.06, -radius)
+            } else {
+                DVec2::new(0.06, 0.0) + radius * DVec2::from_angle((s - line) / radius - 0.25 * TAU)
+            };
+            half * p
+        }
+    };
+    for (radius, from) in [(0.02, 0.123), (0.006, 0.3), (0.004, 0.0)] {
+        let mut stage = Stage::new();
+        let curve = on_plate(&stage.surface, slot(radius, from));
+        let trim = stage.trim(curve, Heading::Against, tolerance());
+        stage.engine.settle().expect("trims end");
+        let progress = stage.engine.trim_progress(trim);
+        assert!(matches!(progress, Some(TrimProgress::Finished(_))), "{radius}: {progress:?}");
+    }
+}

@@ -12,7 +12,7 @@ use glam::DVec3;
 use selvedge_components::mesh::VertexId;
 use selvedge_components::subdivision::FaceCode;
 
-use super::fit::{FitError, FitWork, Outcome, Quantum, Rung, Stage, within};
+use super::fit::{FitError, FitWork, Outcome, Quantum, Region, Rung, Stage, within};
 use super::open::{OpenLevel, Opening};
 use super::region;
 use crate::parallel::map_in_order;
@@ -23,6 +23,10 @@ const QUANTUM: usize = 4096;
 /// The true maximum may exceed the one over 15 points by some 5 to 10 %: patches pass below this
 /// part of the tolerance.
 pub const MARGIN: f64 = 0.85;
+
+/// Where details can move what is too far off, a level leaves at most `lambda^2` of it, 0.39 at the
+/// highest valences. Two levels in a row that each leave more than this part of it have come to an end.
+const SLOW: f64 = 0.9;
 
 impl FitWork {
     /// Opens the next level, step by step, or measures the next points of the one that is open; all of
@@ -76,6 +80,10 @@ impl FitWork {
             return Ok(self.go_to(Stage::Correspond));
         }
         self.ladder.push(rung);
+        if self.is_stuck() {
+            self.unreachable = larger(self.unreachable, (rung.max_here, rung.max_at));
+            return Ok(self.finish(self.judgement((rung.max, rung.max_at))));
+        }
         let spent = self.open.level == self.options.last_level;
         if spent || patches.iter().all(|p| p.1 <= self.limit()) {
             return Ok(self.finish(self.judgement((rung.max, rung.max_at))));
@@ -87,15 +95,23 @@ impl FitWork {
         Ok(Quantum::More)
     }
 
-    /// Has the last level left too much of what the one before it had left?
+    /// Have the last two levels each left too much of what the one before it had left?
     fn is_stalled(&self) -> bool {
-        let Some(share) = self.options.stalled_at else { return false };
-        matches!(&self.ladder[..], [.., before, last] if last.max > share * before.max)
+        self.options.stalled_at.is_some_and(|share| self.leaves_more_than(share, |rung| rung.max))
     }
 
-    /// The error at which a patch is not good enough.
-    fn limit(&self) -> f64 {
-        self.options.tolerance.map_or(-1.0, |t| MARGIN * t)
+    fn leaves_more_than(&self, share: f64, of: impl Fn(&Rung) -> f64) -> bool {
+        let [.., a, b, c] = &self.ladder[..] else { return false };
+        of(b) > share * of(a) && of(c) > share * of(b)
+    }
+
+    /// Is something too far off that no level brings nearer? Next to faces that nothing may move each
+    /// level doubles its details along them and leaves what those faces are off.
+    fn is_stuck(&self) -> bool {
+        let fails = |rung: &Rung| self.options.tolerance.is_some() && rung.max_here > self.limit();
+        matches!(self.options.region, Region::Faces(_))
+            && self.ladder.last().is_some_and(fails)
+            && self.leaves_more_than(SLOW, |rung| rung.max_here)
     }
 
     fn judgement(&self, (achieved, at): (f64, DVec3)) -> Outcome {

@@ -15,6 +15,7 @@
 //! that need it are taken a level finer and the whole is done again.
 
 pub mod adapt;
+pub mod arrange;
 pub mod assemble;
 pub mod attach;
 mod borders;
@@ -22,6 +23,7 @@ pub mod cleanup;
 pub mod closure;
 pub mod contour;
 mod crossing;
+mod cusps;
 pub mod field;
 pub mod hints;
 pub mod junction;
@@ -32,6 +34,7 @@ pub mod preimage;
 pub mod remove;
 mod sets;
 mod sides;
+mod stretch;
 pub mod track;
 pub mod winding;
 pub mod work;
@@ -59,8 +62,8 @@ pub use remove::Fate;
 pub use work::{RelaxQuantum, RemeshQuantum, RemeshWork};
 
 use super::relax::RelaxOptions;
+use arrange::Arrangement;
 use closure::{Adapted, Part};
-use contour::Arrangement;
 use leaves::Leaves;
 use remove::{Remains, Trouble};
 use track::Track;

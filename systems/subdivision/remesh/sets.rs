@@ -11,7 +11,7 @@ use selvedge_components::mesh::{Connectivity, FaceId};
 use selvedge_components::subdivision::remesh::RemeshError;
 
 use super::Cut;
-use super::contour::{Stretch, middle, number};
+use super::stretch::{Stretch, middle, number};
 use super::track::Track;
 use super::winding::{Ways, Winding};
 

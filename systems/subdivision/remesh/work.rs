@@ -9,10 +9,11 @@ use selvedge_components::subdivision::{CornerTable, LoopSurface, NONE};
 
 use super::super::relax::{self, Relaxed, Slider, Strung};
 use super::adapt::{self, AdaptOptions};
+use super::arrange::{self, Arrangement};
 use super::assemble::{Remeshed, assemble};
 use super::attach::{self, KnotKind, Strip};
 use super::closure::{self, Adapted};
-use super::contour::{self, Arrangement, Contour};
+use super::contour::Contour;
 use super::error::RemeshError;
 use super::leaves::Leaves;
 use super::other::{self, OtherSide};
@@ -121,7 +122,7 @@ impl RemeshWork {
     pub fn advance(&mut self) -> Result<RemeshQuantum, RemeshError> {
         let Some(plan) = &self.plan else {
             let junctions = &self.options.junctions;
-            let plan = contour::arrange(&self.surface, &self.cuts, &self.preimages, junctions, self.other.as_ref())?;
+            let plan = arrange::arrange(&self.surface, &self.cuts, &self.preimages, junctions, self.other.as_ref())?;
             self.least = vec![0; plan.track.points.len()];
             self.plan = Some(Box::new(plan));
             return Ok(RemeshQuantum::More);

@@ -99,7 +99,9 @@ impl GroundBuild {
                 }
                 Ok(None)
             }
-            Stage::Index(index) => Ok(index.advance().map_err(|why| unevaluated(&why))?.map(|index| self.ground(index))),
+            Stage::Index(index) => {
+                Ok(index.advance().map_err(|why| unevaluated(&why))?.map(|index| self.ground(index)))
+            }
         }
     }
 

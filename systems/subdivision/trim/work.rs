@@ -435,6 +435,7 @@ impl TrimWork {
 
     /// Has a fit failed for want of faces that it may change, where more are to be had?
     pub fn may_fit_more(&self, why: &TrimFault) -> bool {
+        let why = if let TrimFault::OtherSide { why } = why { why } else { why };
         let TrimFault::NotReached { outcome } = why else { return false };
         let short = matches!(outcome, Outcome::OutOfReach { .. } | Outcome::Stalled { .. });
         short && self.options.omega == Omega::Changed

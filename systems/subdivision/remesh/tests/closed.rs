@@ -55,14 +55,14 @@ impl Stage {
     }
 }
 
-/// One curve that goes round the torus the short way.
+/// One curve that goes round the torus the short way, on one side of it.
 #[derive(Debug)]
-struct Meridian(Arc<Walker>);
+struct Meridian(Arc<Walker>, DVec2);
 
 impl Curve for Meridian {
     fn position(&self, u: f64) -> DVec3 {
         let (s, c) = (core::f64::consts::TAU * u).sin_cos();
-        let at = DVec3::new((1.0 + 0.4 * c) * 0.8, (1.0 + 0.4 * c) * 0.6, 0.4 * s);
+        let at = (self.1 * (1.0 + 0.4 * c)).extend(0.4 * s);
         self.0.closest(at, None).expect("a foot").position
     }
 
@@ -99,9 +99,23 @@ fn a_curve_through_a_pole_is_cut_along() {
 #[test]
 fn one_meridian_does_not_separate_a_torus_and_two_do() {
     let stage = Stage::new(torus(16, 10));
-    let meridian: Arc<dyn Curve> = Arc::new(Meridian(Arc::clone(&stage.walker)));
-    let one = stage.cut(&[Cut::new(meridian, Heading::Along)]);
+    let meridian = |x, y, heading| {
+        let curve: Arc<dyn Curve> = Arc::new(Meridian(Arc::clone(&stage.walker), DVec2::new(x, y)));
+        Cut::new(curve, heading)
+    };
+    let one = stage.cut(&[meridian(0.8, 0.6, Heading::Along)]);
     assert!(matches!(one, Err(RemeshError::DoesNotSeparate { curve: 0, .. })), "{one:?}");
+    // Two that belong together leave a tube; the turned ones leave the rest of it.
+    for turned in [false, true] {
+        let [a, b] = if turned { [Heading::Against, Heading::Along] } else { [Heading::Along, Heading::Against] };
+        let cuts = [meridian(0.8, 0.6, a), meridian(-0.8, 0.6, b)];
+        let (result, _) = stage.sound(&format!("tube {turned}"), &cuts);
+        assert_eq!((result.surface.mesh.euler(), result.surface.mesh.border_loops().len()), (0, 2));
+        // Each as a set of its own has to separate the surface by itself.
+        let alone = [cuts[0].clone().of_set(0), cuts[1].clone().of_set(1)];
+        let refused = stage.cut(&alone);
+        assert!(matches!(refused, Err(RemeshError::DoesNotSeparate { curve: 0, .. })), "{refused:?}");
+    }
 }
 
 #[test]

@@ -182,7 +182,7 @@ fn admit_source(
             Verdict::Locate => {
                 admitted.settled = false;
                 let waited = trims.iter().find(|trim| trim.0 == candidate.trim).and_then(|trim| trim.5);
-                let quanta = waited.filter(|job| job.inputs == candidate.now).map_or(0, |job| job.quanta);
+                let quanta = waited.map_or(0, |job| job.quanta);
                 admitted.starts.push(Start { source, trim: candidate.trim, inputs: candidate.now, quanta });
             }
             Verdict::Refuse => {

@@ -5,7 +5,7 @@ mod system;
 use selvedge_components::budget::Budget;
 use selvedge_components::error::FitFault;
 use selvedge_components::job::{FitJob, JobState};
-use selvedge_components::subdivision::fit::Stage;
+use selvedge_components::subdivision::fit::{Outcome, Stage};
 use selvedge_components::trim::{TrimFault, TrimJob, TrimQuantum, TrimStage, TrimState};
 
 pub use system::advance_trims;
@@ -27,8 +27,9 @@ enum Step {
     Fail(TrimFault),
 }
 
-/// Takes the step that a trim made in this pass, in a stage of its own or in its fit.
-fn next_step(job: &mut TrimJob, fit: Option<&mut FitJob>) -> Option<Step> {
+/// Takes the step that a trim made in this pass, in a stage of its own or in its fit, which says how it
+/// has ended once it has.
+fn next_step(job: &mut TrimJob, fit: Option<&mut FitJob>, outcome: Option<Outcome>) -> Option<Step> {
     if let Some(step) = job.step.take() {
         return Some(match step {
             Err(why) => Step::Fail(why),
@@ -50,7 +51,7 @@ fn next_step(job: &mut TrimJob, fit: Option<&mut FitJob>) -> Option<Step> {
     let fit = fit?;
     fit.step.as_ref()?;
     job.quanta += 1;
-    Some(match next_move(fit, None) {
+    Some(match next_move(fit, outcome) {
         Move::Stay => Step::Stay,
         Move::GoTo(stage) => {
             fit.state = JobState::Running(stage);

@@ -53,7 +53,7 @@ pub fn advance_trims(
     let mut run = Counters::start();
     let mut ends = Vec::new();
     for (entity, mut job, work, fit_job, fit, _) in &mut trims {
-        let step = next_step(&mut job, fit_job.map(Mut::into_inner));
+        let step = next_step(&mut job, fit_job.map(Mut::into_inner), fit.and_then(FitWork::outcome));
         let Some(step) = step else {
             run.counted.skipped += 1;
             continue;

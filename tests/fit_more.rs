@@ -1,0 +1,68 @@
+//! A trim whose tolerance is not met over the faces that it changes is fitted over their neighbours too.
+
+mod support;
+#[path = "support/sweep.rs"]
+mod sweep;
+
+use std::sync::Arc;
+
+use selvedge::budget::Budgets;
+use selvedge::subdivision::LoopSurface;
+use selvedge::trim::{Omega, TrimOptions};
+use selvedge::{spawn_curve, spawn_trim};
+use selvedge_systems::subdivision::trim::{LocateWork, TrimWork};
+use support::plate::Plate;
+use support::world::bits;
+use sweep::{Case, STRATA, Subjects, Verdict, run};
+
+/// Bores in the contoured disc that the faces they change alone cannot be fitted to.
+const BORES: [u64; 2] = [7 << 32 | 26, 7 << 32 | 30];
+
+fn case(number: u64) -> Case {
+    Case::new(&Subjects::new(), &STRATA[(number >> 32) as usize], number)
+}
+
+fn with(omega: Omega) -> TrimOptions {
+    TrimOptions { omega, ..TrimOptions::default() }
+}
+
+fn by_hand(case: &Case, omega: Omega) -> Arc<LoopSurface> {
+    let located = LocateWork::new(Arc::clone(&case.ground), case.cuts.clone(), with(omega), Some(case.tolerance));
+    let located = located.and_then(|mut work| work.run()).expect("curves on the disc");
+    let mut work = TrimWork::on_all(Arc::clone(&case.ground), vec![located]);
+    if let Err(why) = work.run(&Budgets::default()) {
+        panic!("{omega:?}: {why}");
+    }
+    Arc::clone(work.result().expect("an audited result"))
+}
+
+/// The result of a world, and the greatest distance that its audit has found.
+fn in_a_world(case: &Case, omega: Omega) -> (LoopSurface, f64) {
+    let mut plate = Plate::of(LoopSurface::clone(&case.ground.surface));
+    let cuts: Vec<_> =
+        case.cuts.iter().map(|cut| (spawn_curve(&mut plate.world, Arc::clone(&cut.curve)), cut.heading)).collect();
+    let trim = spawn_trim(&mut plate.world, plate.source, &cuts, Some(case.tolerance), with(omega));
+    plate.settle();
+    let off = plate.report(trim).audit.greatest().0;
+    (plate.result().expect("a result").clone(), off)
+}
+
+#[test]
+fn bores_that_their_own_faces_cannot_be_fitted_to_are_sound_with_their_neighbours() {
+    for number in BORES {
+        let verdict = run(&case(number)).0;
+        assert_eq!(verdict, Verdict::Sound, "{number}");
+    }
+}
+
+#[test]
+fn what_is_fitted_again_is_what_fitting_the_neighbours_at_once_makes() {
+    let case = case(BORES[0]);
+    let (again, at_once) = (by_hand(&case, Omega::Changed), by_hand(&case, Omega::Neighbourhood));
+    assert!(bits(&again) == bits(&at_once), "the same bits");
+    // A world works in a part of the source, where sums have another order.
+    let (result, off) = in_a_world(&case, Omega::Changed);
+    assert!(off <= case.tolerance.fit, "{off}");
+    assert_eq!(result.mesh.faces(), at_once.mesh.faces());
+    assert_eq!(result.details.count(), at_once.details.count());
+}
