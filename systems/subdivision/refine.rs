@@ -105,6 +105,11 @@ impl FitWork {
         of(b) > share * of(a) && of(c) > share * of(b)
     }
 
+    /// The error at which a patch is not good enough.
+    fn limit(&self) -> f64 {
+        self.options.tolerance.map_or(-1.0, |t| MARGIN * t)
+    }
+
     /// Is something too far off that no level brings nearer? Next to faces that nothing may move each
     /// level doubles its details along them and leaves what those faces are off.
     fn is_stuck(&self) -> bool {
