@@ -23,7 +23,7 @@ pub fn map_dear_in_order<R: Send>(count: usize, f: impl Fn(usize) -> R + Sync + 
     #[cfg(feature = "parallel")]
     {
         use rayon::prelude::*;
-        return (0..count).into_par_iter().with_min_len(DEAR).map(f).collect();
+        (0..count).into_par_iter().with_min_len(DEAR).map(f).collect()
     }
     #[cfg(not(feature = "parallel"))]
     (0..count).map(f).collect()

@@ -23,6 +23,7 @@ use super::locate::Located;
 use super::other::OtherWork;
 use super::zone::Zone;
 use crate::closest::Search;
+use crate::spatial::{Bounds, Bvh};
 use crate::subdivision::fit::FitWork;
 use crate::subdivision::natural::Natural;
 use crate::subdivision::region;
@@ -408,10 +409,12 @@ impl TrimWork {
 
     /// The farthest from the curves that a control point has changed.
     fn changed_radius(&self, remeshed: &Remeshed) -> f64 {
-        let path: Vec<_> = self.parts().flat_map(|(_, part)| &part.points).map(|p| p.position).collect();
+        let path: Vec<DVec3> = self.parts().flat_map(|(_, part)| &part.points).map(|p| p.position).collect();
+        let boxes: Vec<Bounds> = path.iter().map(|&p| Bounds::of([p])).collect();
+        let tree = Bvh::new(&boxes);
         let away = |v: &VertexId| {
             let x = remeshed.limit[v.index()];
-            path.iter().map(|p| p.distance_squared(x)).fold(f64::INFINITY, f64::min)
+            tree.nearest(x, |i| path[i as usize].distance_squared(x)).map_or(f64::INFINITY, |nearest| nearest.1)
         };
         remeshed.changed.iter().map(away).fold(0.0, f64::max).sqrt()
     }
