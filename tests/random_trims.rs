@@ -3,7 +3,7 @@
 #[path = "support/sweep.rs"]
 mod sweep;
 
-use sweep::{Case, STRATA, Subjects, Verdict, run};
+use sweep::{Case, STRATA, Subjects, Verdict, oracle, run};
 
 /// Four of each stratum: none panics, none is a false success, and at most one in 64 is refused.
 #[test]
@@ -21,4 +21,15 @@ fn random_trims_are_sound_or_say_why() {
         }
     }
     assert!(refused.len() <= 1, "{refused:#?}");
+}
+
+/// The oracle can tell: what is inside the outlines of a source that was not cut is found on it.
+#[test]
+fn a_source_that_was_not_cut_is_no_result() {
+    let subjects = Subjects::new();
+    for (s, stratum) in STRATA.iter().enumerate() {
+        let case = Case::new(&subjects, stratum, (s as u64) << 32);
+        let found = oracle(&case, &case.ground.surface);
+        assert!(matches!(&found, Err(what) if what.ends_with("inside an outline")), "{stratum:?}: {found:?}");
+    }
 }

@@ -365,7 +365,7 @@ fn make(case: &Case) -> Result<Arc<LoopSurface>, TrimFault> {
 /// Looks at a result as a stranger would: is it sound, does its border lie on the curves, bit for
 /// bit, is it near the source, and is what is inside the outlines gone and what is outside still
 /// there?
-fn oracle(case: &Case, surface: &Arc<LoopSurface>) -> Result<(), String> {
+pub fn oracle(case: &Case, surface: &Arc<LoopSurface>) -> Result<(), String> {
     let faults = selvedge_systems::check::surface_faults(surface, &Budgets::default());
     if let Some(fault) = faults.first() {
         return Err(fault.to_string());
@@ -402,7 +402,8 @@ fn oracle(case: &Case, surface: &Arc<LoopSurface>) -> Result<(), String> {
             }
         }
     }
-    Ok(())
+    let far = |y: DVec3| index.closest(y).map(|found| found.distance).map_err(|e| e.to_string());
+    case.is_cut(&mut draw, |y| Ok(far(y)? >= case.tolerance.fit))
 }
 
 fn on_curves(surface: &LoopSurface) -> Result<(), String> {
@@ -423,17 +424,58 @@ fn on_curves(surface: &LoopSurface) -> Result<(), String> {
 }
 
 impl Case {
-    /// How far inside an outline a point of the surface is, in sizes of the outline, if it is.
+    /// Are places of the source inside the outlines `gone`? However small an outline is, it is looked into.
+    fn is_cut(&self, draw: &mut Draw, gone: impl Fn(DVec3) -> Result<bool, String>) -> Result<(), String> {
+        for (frame, outline, size) in &self.outlines {
+            for _ in 0..64 {
+                let p = *size * DVec2::new(draw.between(-1.3, 1.3), draw.between(-1.3, 1.3));
+                let rim = nearest(outline, p);
+                let depth = p.distance(rim) / size;
+                if winding(outline, p) == 0 || depth <= 0.02 {
+                    continue;
+                }
+                let Some(height) = self.sheet(frame, [rim, p], *size).filter(|h| h.abs() < 0.6 * size) else {
+                    continue;
+                };
+                let y = frame.at(p) + frame.normal() * height;
+                if !gone(y)? {
+                    return Err(format!("{y} is still there, {depth} of the size inside an outline"));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// How far inside an outline a point of the surface is, in sizes of the outline, if it is: on the sheet
+    /// that the outline's curve lies on.
     fn depth(&self, x: DVec3) -> Option<f64> {
-        self.outlines
-            .iter()
-            .filter_map(|(frame, outline, size)| {
-                let p = frame.under(x);
-                // Another sheet, below or above, is not meant.
-                let near = (x - frame.at(p)).length() < 0.6 * size && p.length() < 2.0 * size;
-                (near && winding(outline, p) != 0).then(|| distance(outline, p) / size)
-            })
-            .reduce(f64::max)
+        let inside = self.outlines.iter().filter_map(|(frame, outline, size)| {
+            let p = frame.under(x);
+            let height = (x - frame.at(p)).dot(frame.normal());
+            let near = height.abs() < 0.6 * size && p.length() < 2.0 * size;
+            let rim = (near && winding(outline, p) != 0).then(|| nearest(outline, p))?;
+            // Where there is nothing to follow, whatever is there is looked at.
+            let followed = self.sheet(frame, [rim, p], *size);
+            let is_meant = followed.is_none() || followed == self.height(frame, p, height, *size);
+            is_meant.then(|| p.distance(rim) / size)
+        });
+        inside.reduce(f64::max)
+    }
+
+    /// The height over the plane of an outline, at a place in it, of the sheet that the outline's curve lies
+    /// on: followed from the outline, from height to height.
+    fn sheet(&self, frame: &Frame, [rim, place]: [DVec2; 2], size: f64) -> Option<f64> {
+        const STEPS: u32 = 16;
+        // The curve was carried to the sheet nearest to its plane.
+        (0..=STEPS).try_fold(0.0, |before, k| {
+            self.height(frame, rim.lerp(place, f64::from(k) / f64::from(STEPS)), before, size)
+        })
+    }
+
+    /// The height nearest to `wanted` that the source has over a place.
+    fn height(&self, frame: &Frame, p: DVec2, wanted: f64, size: f64) -> Option<f64> {
+        let hits = self.ground.index.hits(frame.at(p), frame.normal(), [-2.0 * size, 2.0 * size]);
+        hits.into_iter().map(|hit| hit.t).min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()))
     }
 }
 
@@ -451,11 +493,14 @@ fn winding(outline: &[DVec2], p: DVec2) -> i32 {
     turns
 }
 
-fn distance(outline: &[DVec2], p: DVec2) -> f64 {
-    let to = |k: usize| {
+/// The point of an outline nearest to `p`.
+fn nearest(outline: &[DVec2], p: DVec2) -> DVec2 {
+    let on = |k: usize| {
         let (a, b) = (outline[k], outline[(k + 1) % outline.len()]);
-        let t = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
-        p.distance(a.lerp(b, t))
+        // A point given twice is a side without a direction.
+        let along = (p - a).dot(b - a) / (b - a).length_squared();
+        if along.is_nan() { a } else { a.lerp(b, along.clamp(0.0, 1.0)) }
     };
-    (0..outline.len()).map(to).fold(f64::INFINITY, f64::min)
+    let apart = |q: &DVec2| p.distance_squared(*q);
+    (0..outline.len()).map(on).min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(p)
 }
