@@ -148,8 +148,12 @@ impl<'a> Patch<'a> {
         let mut at = [0; 3];
         (at[c], at[next], at[after]) = (i, 2, 0);
         let [to_next, from_after] = halves;
-        let mut rings = [own, to_next, from_after];
-        rings.rotate_right(c);
+        // Each moved once: a ring is large.
+        let rings = match c {
+            0 => [own, to_next, from_after],
+            1 => [from_after, own, to_next],
+            _ => [to_next, from_after, own],
+        };
         Self { scheme, rings, at }
     }
 
@@ -192,12 +196,14 @@ impl<'a> Patch<'a> {
 
     /// The control points, where the surface over the face is one polynomial.
     fn net(&self) -> Option<Net> {
-        let [a, b, c] = [0, 1, 2].map(|c| self.rings[c].hexagon());
-        let (hexagons, rings, at) = ([a?, b?, c?], &self.rings, &self.at);
+        if !self.rings.iter().all(Ring::is_regular) {
+            return None;
+        }
+        let (rings, at) = (&self.rings, &self.at);
         let mut net = [DVec3::ZERO; 12];
         for c in 0..3 {
             net[c] = rings[c].centre;
-            let around = |by: usize| hexagons[c][(at[c] + by) % 6];
+            let around = |by: usize| rings[c].around((at[c] + by) % 6);
             net[3 + c] = around(5);
             (net[6 + 2 * c], net[7 + 2 * c]) = (around(3), around(4));
         }
@@ -206,7 +212,7 @@ impl<'a> Patch<'a> {
 
     /// The corner that is not regular, where there is exactly one.
     fn irregular(&self) -> Option<usize> {
-        let mut irregular = (0..3).filter(|&c| self.rings[c].hexagon().is_none());
+        let mut irregular = (0..3).filter(|&c| !self.rings[c].is_regular());
         irregular.next().filter(|_| irregular.next().is_none())
     }
 
@@ -296,19 +302,27 @@ impl<'a> Patch<'a> {
 }
 
 impl Ring {
-    /// The six points around a regular vertex; beyond a regular plain border, the phantoms that make
-    /// the border's rules those of the interior.
-    fn hexagon(&self) -> Option<[DVec3; 6]> {
-        let (c, s) = (self.centre, &self.spokes);
+    /// Is the surface around the vertex what it would be inside, among six neighbours?
+    fn is_regular(&self) -> bool {
         match (&self.place, self.valence()) {
-            (Place::Inside, 6) if self.beside.is_empty() => Some([s[0], s[1], s[2], s[3], s[4], s[5]]),
-            (Place::Border(border), 4) if border.rule == BorderRule::Plain && self.beside.is_empty() => {
-                Some([s[0], s[1], s[2], s[3], c + s[3] - s[2], c + s[0] - s[1]])
-            }
-            (Place::Border(border), 2) if border.rule == BorderRule::PlainCorner => {
-                Some([s[0], s[1], c + s[1] - s[0], c + c - s[0], c + c - s[1], c + s[0] - s[1]])
-            }
-            _ => None,
+            (Place::Inside, 6) => self.beside.is_empty(),
+            (Place::Border(border), 4) => border.rule == BorderRule::Plain && self.beside.is_empty(),
+            (Place::Border(border), 2) => border.rule == BorderRule::PlainCorner,
+            _ => false,
+        }
+    }
+
+    /// Point `i` of the six around a regular vertex; beyond a regular plain border, the phantoms that make
+    /// the border's rules those of the interior.
+    fn around(&self, i: usize) -> DVec3 {
+        let (c, s) = (self.centre, &self.spokes);
+        match (s.len(), i) {
+            (k, i) if i < k => s[i],
+            (4, 4) => c + s[3] - s[2],
+            (2, 2) => c + s[1] - s[0],
+            (2, 3) => c + c - s[0],
+            (2, 4) => c + c - s[1],
+            _ => c + s[0] - s[1],
         }
     }
 

@@ -186,7 +186,7 @@ impl LimitSurface {
         for kept in &self.levels {
             match *kept.faces.get(face as usize)? {
                 Face::Children(first) => face = first + way.enter() as u32,
-                Face::Regular(net) => return Some((Found::Quartic(kept.quartic(net)), way)),
+                Face::Regular(net) => return Some((Found::Quartic(kept, net), way)),
                 Face::Patch => {
                     let scheme = Scheme { surface: &self.surface, corners: &self.corners };
                     let patch = Patch::of(scheme, &kept.level.mesh, &kept.level.state, face);
@@ -221,14 +221,18 @@ pub enum Piece<'a> {
 /// copy.
 #[expect(clippy::large_enum_variant, reason = "made and used once, on the stack")]
 enum Found<'a> {
-    Quartic(Quartic),
+    Quartic(&'a KeptLevel, u32),
     Patch(Patch<'a>),
 }
 
 impl KeptLevel {
-    #[inline]
+    #[inline(always)]
     fn quartic(&self, net: u32) -> Quartic {
-        Quartic::new(&self.nets[net as usize].map(|v| self.level.state.effective[v as usize]))
+        let mut points = [DVec3::ZERO; 12];
+        for (point, &v) in points.iter_mut().zip(&self.nets[net as usize]) {
+            *point = self.level.state.effective[v as usize];
+        }
+        Quartic::new(&points)
     }
 }
 
@@ -245,7 +249,7 @@ impl Evaluate for LimitSurface {
     /// [`Tangents`](selvedge_components::subdivision::Tangents).
     fn jet(&self, at: SurfacePoint) -> Jet {
         match self.find(at) {
-            Some((Found::Quartic(quartic), way)) => way.back(quartic.jet(way.weights[1], way.weights[2])),
+            Some((Found::Quartic(kept, net), way)) => way.back(kept.quartic(net).jet(way.weights[1], way.weights[2])),
             Some((Found::Patch(patch), way)) => way.back(patch.jet(way.weights)),
             None => Jet { position: DVec3::NAN, ds: DVec3::NAN, dt: DVec3::NAN },
         }
@@ -253,7 +257,7 @@ impl Evaluate for LimitSurface {
 
     fn position(&self, at: SurfacePoint) -> DVec3 {
         match self.find(at) {
-            Some((Found::Quartic(quartic), way)) => quartic.position(way.weights[1], way.weights[2]),
+            Some((Found::Quartic(kept, net), way)) => kept.quartic(net).position(way.weights[1], way.weights[2]),
             Some((Found::Patch(patch), way)) => patch.position(way.weights),
             None => DVec3::NAN,
         }
