@@ -1,10 +1,9 @@
 //! Where the points of one subdivision step are kept, in blocks: one for each vertex of a face that is
 //! not regular.
 //!
-//! A block holds the limit of its vertex; then, relative to that limit, the vertex after one step and
-//! after two, and the ring after one step. The ring's last two points stand before it again, and its
-//! first three after it: any six that follow each other stand in a row, wherever in the ring they
-//! begin. So much is read for nearly every place beside the vertex, and from one stretch of memory.
+//! A block holds the limit of its vertex; then, relative to that limit, the vertex after one step, two
+//! and three, and the ring after one step. So much is read for nearly every place beside the vertex, and
+//! from one stretch of memory.
 
 use glam::DVec3;
 use prefetch_index::prefetch_index;
@@ -14,19 +13,16 @@ use super::limit::border_limit;
 use super::patch::Load;
 use super::topology::{InteriorMask, VertexRule};
 
-/// The places in a block: of the limit, of the vertex after one step and two, of the ring.
+/// The places in a block: of the limit, of the vertex after one step, two and three, of the ring.
 pub(super) const LIMIT: u32 = 0;
 pub(super) const FIRST: u32 = 1;
 pub(super) const SECOND: u32 = 2;
-pub(super) const RING: u32 = 3 + BEFORE as u32;
-
-/// How many points of a closed ring are repeated before and after it.
-const BEFORE: usize = 2;
-const AFTER: usize = 3;
+pub(super) const THIRD: u32 = 3;
+pub(super) const RING: u32 = 4;
 
 /// How many points the block of a vertex of `valence` has.
 pub(super) const fn size(valence: u32) -> u32 {
-    RING + valence + AFTER as u32
+    RING + valence
 }
 
 /// The points of all blocks, one after the other: three numbers each, and one more at the end so that
@@ -50,8 +46,8 @@ impl Blocks {
     /// The ring of `valence` points of the block that begins at `block`.
     #[inline(always)]
     pub fn ring(&self, block: u32, valence: usize) -> Ring<'_> {
-        let start = 3 * (block + RING) as usize - 3 * BEFORE;
-        Ring(&self.0[start..start + 3 * (BEFORE + valence + AFTER) + 1])
+        let start = 3 * (block + RING) as usize;
+        Ring(&self.0[start..start + 3 * valence + 1])
     }
 
     /// Writes the block at `place` of a vertex at `q` with neighbours `ring`; `finer` is scratch.
@@ -61,19 +57,24 @@ impl Blocks {
         mask: InteriorMask,
         rule: VertexRule,
         (q, ring): (DVec3, &[DVec3]),
-        finer: &mut Vec<DVec3>,
+        finer: &mut [Vec<DVec3>; 2],
     ) {
-        let (limit, centre) = step_around(mask, rule, q, ring, finer);
-        finer.iter_mut().for_each(|p| *p -= limit);
-        let first = centre - limit;
+        let [first_ring, second_ring] = finer;
+        let limit = match rule {
+            VertexRule::Interior => weigh(q, ring, mask.limit),
+            VertexRule::Border => border_limit(q, ring[0], ring[ring.len() - 1]),
+            VertexRule::Corner => q,
+        };
+        step_ring(rule, q, ring, first_ring);
+        first_ring.iter_mut().for_each(|p| *p -= limit);
+        let first = step_centre(rule, mask.step, q, ring) - limit;
+        let second = step_centre(rule, mask.step, first, first_ring);
+        step_ring(rule, first, first_ring, second_ring);
+        let third = step_centre(rule, mask.step, second, second_ring);
         let start = 3 * place as usize;
         let (block, _) = self.0[start..start + 3 * size(ring.len() as u32) as usize].as_chunks_mut::<3>();
-        block[LIMIT as usize] = limit.to_array();
-        block[FIRST as usize] = first.to_array();
-        block[SECOND as usize] = step_centre(rule, mask.step, first, finer).to_array();
-        let from = finer.len() - BEFORE % finer.len();
-        let around = finer.iter().cycle().skip(from);
-        for (place, p) in block[RING as usize - BEFORE..].iter_mut().zip(around) {
+        let points = [limit, first, second, third].into_iter().chain(first_ring.iter().copied());
+        for (place, p) in block.iter_mut().zip(points) {
             *place = p.to_array();
         }
     }
@@ -86,9 +87,12 @@ impl Blocks {
             prefetch_index(&self.0, start + line * LINE);
         }
         // Beyond what nearly all need; how many fewer some do is not worth a branch that cannot be foreseen.
-        for line in USUAL_LINES..(3 * size(valence) as usize).div_ceil(LINE) {
+        let numbers = 3 * size(valence) as usize;
+        for line in USUAL_LINES..numbers.div_ceil(LINE) {
             prefetch_index(&self.0, start + line * LINE);
         }
+        // Blocks begin anywhere in a line.
+        prefetch_index(&self.0, start + numbers);
     }
 }
 
@@ -110,31 +114,26 @@ impl Ring<'_> {
     /// Point `i` of the ring.
     #[inline(always)]
     pub fn point<L: Load>(self, load: L, i: usize) -> L::Vector {
-        let start = 3 * (BEFORE + i);
-        point(load, &self.0[start..start + 4])
+        point(load, &self.0[3 * i..3 * i + 4])
     }
 
-    /// Points `first - 2` to `first + 3` of a closed ring.
+    /// `N` points in a row of the closed ring of `valence`, from three before point `first` on.
     #[inline(always)]
-    pub fn window<L: Load>(self, load: L, first: usize) -> [L::Vector; 6] {
-        let window: &[f64; 19] =
-            self.0[3 * first..3 * first + 19].first_chunk().expect("a ring is repeated at its ends");
-        let mut points = [load.zero(); 6];
-        for (i, place) in points.iter_mut().enumerate() {
-            *place = point(load, &window[3 * i..]);
+    pub fn window<L: Load, const N: usize>(self, load: L, valence: usize, first: usize) -> [L::Vector; N] {
+        // A closed ring has three points at least.
+        let mut i = first + valence - 3;
+        i = if i < valence { i } else { i - valence };
+        let mut points = [load.zero(); N];
+        for place in &mut points {
+            *place = self.point(load, i);
+            i = if i + 1 < valence { i + 1 } else { 0 };
         }
         points
     }
 }
 
-/// Writes the ring around a vertex one step finer; the limit, and the vertex one step finer.
-fn step_around(
-    mask: InteriorMask,
-    rule: VertexRule,
-    q: DVec3,
-    ring: &[DVec3],
-    finer: &mut Vec<DVec3>,
-) -> (DVec3, DVec3) {
+/// Writes the ring around a vertex at `q` one step finer.
+fn step_ring(rule: VertexRule, q: DVec3, ring: &[DVec3], finer: &mut Vec<DVec3>) {
     let last = ring.len() - 1;
     finer.clear();
     finer.extend(ring.iter().enumerate().map(|(i, &p)| {
@@ -142,10 +141,4 @@ fn step_around(
         let on_border = rule != VertexRule::Interior && (i == 0 || i == last);
         if on_border { (q + p) * 0.5 } else { edge_point(q, p, ring[before], ring[after]) }
     }));
-    let limit = match rule {
-        VertexRule::Interior => weigh(q, ring, mask.limit),
-        VertexRule::Border => border_limit(q, ring[0], ring[last]),
-        VertexRule::Corner => q,
-    };
-    (limit, step_centre(rule, mask.step, q, ring))
 }

@@ -38,8 +38,8 @@ pub(super) struct Corner<'a, V> {
     /// The place in the ring of the point at (1, 0).
     pub first: usize,
     pub limit: V,
-    /// The corner at the first level and at the second.
-    pub centres: [V; 2],
+    /// The corner at the first level, the second and the third.
+    pub centres: [V; 3],
     pub ring: Ring<'a>,
     pub outer: [V; 5],
 }
@@ -142,6 +142,12 @@ fn near<V: Vector>(rule: VertexRule, centre: V, ring: &[V], first: usize) -> [V;
     [before, r0, r1, after]
 }
 
+/// The points that a step makes of the inner four of six in a row of the ring around `v`.
+#[inline(always)]
+fn between<V: Vector>(v: V, [a, b, c, d, e, f]: [V; 6]) -> [V; 4] {
+    [edge_point(v, b, a, c), edge_point(v, c, b, d), edge_point(v, d, c, e), edge_point(v, e, d, f)]
+}
+
 /// Writes what a step leaves behind of the points around `corner`, which are `near` and `outer` before
 /// it and `to` and `to_near` after it.
 #[inline(always)]
@@ -172,7 +178,7 @@ impl<'a, L: Load> CornerPieces<'a, L> {
             weight: 0.0,
             first: 0,
             limit: zero,
-            centres: [zero; 2],
+            centres: [zero; 3],
             ring: Ring::default(),
             outer: [zero; 5],
         };
@@ -185,12 +191,6 @@ impl<'a, L: Load> CornerPieces<'a, L> {
         self.depths
     }
 
-    /// Forgets the corner.
-    #[inline(always)]
-    pub fn clear(&mut self) {
-        self.depths = 0;
-    }
-
     /// Makes the pieces of the first depth those around `corner`.
     #[inline(always)]
     pub(super) fn begin(&mut self, corner: Corner<'a, L::Vector>) {
@@ -199,17 +199,11 @@ impl<'a, L: Load> CornerPieces<'a, L> {
         if self.lattices.is_empty() {
             self.grow();
         }
-        let Corner { rule, first, centres: [v, to], ring, outer, .. } = corner;
+        let Corner { rule, valence, first, centres: [v, to, _], ring, outer, .. } = corner;
         if rule == VertexRule::Interior {
             // Those at the ends are not kept.
-            let r: [L::Vector; 6] = ring.window(self.load, first);
-            let to_near = [
-                edge_point(v, r[1], r[0], r[2]),
-                edge_point(v, r[2], r[1], r[3]),
-                edge_point(v, r[3], r[2], r[4]),
-                edge_point(v, r[4], r[3], r[5]),
-            ];
-            leave(&mut self.lattices[0], v, [r[1], r[2], r[3], r[4]], outer, to, to_near);
+            let [_, r @ ..]: [L::Vector; 7] = ring.window(self.load, valence, first);
+            leave(&mut self.lattices[0], v, [r[1], r[2], r[3], r[4]], outer, to, between(v, r));
         } else {
             self.read_ring();
             let before = near(rule, v, &self.spare[..corner.valence], first);
@@ -259,15 +253,27 @@ impl<'a, L: Load> CornerPieces<'a, L> {
     /// Goes one level finer, towards the corner: one more depth is known.
     #[inline(always)]
     pub fn descend(&mut self) {
-        let Corner { rule, weight, first, valence, centres, .. } = self.corner;
-        if self.depths == 1 && rule == VertexRule::Interior {
-            self.read_ring();
-            self.step_ring(centres[0]);
-        }
         if self.lattices.len() == self.depths {
             self.grow();
         }
+        let Corner { rule, weight, first, valence, centres, .. } = self.corner;
         let [v, n0, n1, n2, n3, z, y, x, w, u, ..] = self.lattices[self.depths - 1];
+        if rule == VertexRule::Interior && self.depths == 1 {
+            // So far the rest of the ring is of no use.
+            let r: [L::Vector; 8] = self.corner.ring.window(self.load, valence, first);
+            let before = edge_point(centres[0], r[1], r[0], r[2]);
+            let after = edge_point(centres[0], r[6], r[5], r[7]);
+            let to_near = between(v, [before, n0, n1, n2, n3, after]);
+            leave(&mut self.lattices[1], v, [n0, n1, n2, n3], [z, y, x, w, u], centres[2], to_near);
+            self.depths = 2;
+            return;
+        }
+        if rule == VertexRule::Interior && self.depths == 2 {
+            self.read_ring();
+            self.step_ring(centres[0]);
+            core::mem::swap(&mut self.ring, &mut self.spare);
+            self.step_ring(centres[1]);
+        }
         let to = step_centre(rule, weight, v, &self.ring[..valence]);
         core::mem::swap(&mut self.ring, &mut self.spare);
         self.step_ring(v);
@@ -281,7 +287,8 @@ impl<'a, L: Load> CornerPieces<'a, L> {
     #[inline(always)]
     pub(super) fn all(load: L, corner: &Corner<'a, L::Vector>, i: u8) -> Quartic<L::Vector> {
         let ([z, y, x, w, u], v) = (corner.outer, corner.centres[0]);
-        let [fifth, before, r0, r1, after, fourth] = corner.ring.window(load, corner.first);
+        let [_, fifth, before, r0, r1, after, fourth]: [L::Vector; 7] =
+            corner.ring.window(load, corner.valence, corner.first);
         let net: Net<L::Vector> = match i {
             0 => [v, r0, r1, before, x, after, fourth, fifth, z, y, w, u],
             1 => [r1, v, r0, after, before, x, w, u, fourth, fifth, z, y],

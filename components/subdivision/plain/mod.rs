@@ -20,7 +20,7 @@ use glam::DVec3;
 pub use corner::CornerPieces;
 pub use limit::vertex_normal;
 pub use patch::{AsStored, Load, PatchReader};
-pub use place::{Piece, Place};
+pub use place::Piece;
 pub use topology::{PlainError, PlainTopology, VertexRule};
 
 use crate::evaluate::{Evaluate, Jet, SurfacePoint};
@@ -102,7 +102,7 @@ impl PlainLoop {
     fn take_first_step(&mut self) {
         let topology = &*self.topology;
         let mesh = topology.mesh();
-        let (mut ring, mut scratch) = (Vec::new(), Vec::new());
+        let (mut ring, mut scratch) = (Vec::new(), <[Vec<DVec3>; 2]>::default());
         for v in (0..mesh.vertex_count()).map(VertexId::new) {
             if let Some(block) = topology.block(v) {
                 ring.clear();

@@ -4,9 +4,9 @@ use glam::DVec3;
 use prefetch_index::prefetch_index;
 
 use super::PlainLoop;
-use super::block::{FIRST, LIMIT, RING, SECOND};
+use super::block::{FIRST, LIMIT, RING, SECOND, THIRD};
 use super::corner::{Corner, CornerPieces, reflect};
-use super::place::{DEEPEST, Piece, Place};
+use super::place::{self, DEEPEST, Piece};
 use super::topology::{FinerCorner, NONE};
 use crate::evaluate::{Jet, SurfacePoint};
 use crate::mesh::{FaceId, HalfedgeId, VertexId};
@@ -198,7 +198,7 @@ impl<'a, L: Load> FinerNet<'a, L> {
             weight: self.surface.topology.mask(valence).step,
             first: first as usize,
             limit,
-            centres: [self.vertex(i), self.stored(block + SECOND)],
+            centres: [self.vertex(i), self.stored(block + SECOND), self.stored(block + THIRD)],
             ring: self.surface.finer.ring(block, valence),
             outer: [z, y, x, w, u],
         }
@@ -302,13 +302,10 @@ impl PlainLoop {
         if at.face.index() >= topology.mesh().face_count() {
             return Jet { position: DVec3::NAN, ds: DVec3::NAN, dt: DVec3::NAN };
         }
-        let place = if topology.is_regular(at.face) {
-            Place::in_regular(at.st.x, at.st.y)
-        } else {
-            Place::in_irregular(at.st.x, at.st.y, topology.regular_corners(at.face))
-        };
-        let [position, ds, dt] = self.quartic(at.face, place.piece).with_derivatives(place.s, place.t);
-        let scale = place.piece.scale();
+        let (s, t) = place::clamp(at.st.x, at.st.y);
+        let regular = topology.regular_corners(at.face).unwrap_or(place::WHOLE);
+        let (piece, s, t, scale) = place::in_face(s, t, regular);
+        let [position, ds, dt] = self.quartic(at.face, Piece::from_index(piece as usize)).with_derivatives(s, t);
         Jet { position, ds: ds * scale, dt: dt * scale }
     }
 

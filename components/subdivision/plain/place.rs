@@ -58,30 +58,6 @@ impl Piece {
     pub const fn quarter(self) -> u8 {
         self.0 as u8 & 3
     }
-
-    /// How much faster its coordinates run than the face's: a power of two, negative where it is
-    /// turned by half a turn.
-    #[inline(always)]
-    pub const fn scale(self) -> f64 {
-        // Looked up, because for random places no branch on what they lie in could be foreseen.
-        let turn = [2.0, 2.0, -2.0, 1.0, 2.0, 2.0, -2.0, 1.0, 2.0, 2.0, -2.0, 1.0, -1.0, 0.5, 0.5, 0.5];
-        if self.depth() == DEEPEST {
-            return 1.0;
-        }
-        // Built from its exponent: 2^(depth + 1).
-        turn[self.0 as usize & 15] * f64::from_bits((1024 + self.depth() as u64) << 52)
-    }
-}
-
-/// A place in a piece.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
-    /// The piece.
-    pub piece: Piece,
-    /// The piece's own coordinates, in its unit triangle. They run along the face's.
-    pub s: f64,
-    /// As `s`.
-    pub t: f64,
 }
 
 /// Puts `(s, t)` into the unit triangle. What is not a number becomes 0.
@@ -99,26 +75,12 @@ fn clamp_outside(s: f64, t: f64) -> (f64, f64) {
     if sum <= 1.0 { (s, t) } else { (s / sum, t / sum) }
 }
 
-impl Place {
-    /// The place of `(s, t)` in a regular face.
-    #[inline(always)]
-    pub fn in_regular(s: f64, t: f64) -> Self {
-        let (s, t) = clamp(s, t);
-        Self { piece: Piece::WHOLE, s, t }
-    }
-
-    /// The place of `(s, t)` in a face that is not regular and whose corners are as `regular` says.
-    #[inline(always)]
-    pub fn in_irregular(s: f64, t: f64, regular: u64) -> Self {
-        let (s, t) = clamp(s, t);
-        let (piece, s, t) = in_piece(s, t, regular);
-        Self { piece: Piece(piece as u16), s, t }
-    }
-}
-
-/// The piece of a face that is not regular in which `(s, t)` of its unit triangle lies, as a number
-/// (see [`Piece`]), and the place there. Bit `i` of `regular` says that corner `i` is regular: all that
-/// is left around it after the first quartering is one polynomial.
+/// The piece of a face in which `(s, t)` of its unit triangle lies, as a number (see [`Piece`]), the place
+/// in the piece's own coordinates, and how much faster than the face's these run: a power of two, negative
+/// where they are turned by half a turn.
+///
+/// Bit `i` of `regular` says that corner `i` of a face that is not regular is: all that is left around it
+/// after the first quartering is one polynomial. [`WHOLE`] stands for a face that is one itself.
 ///
 /// All differences are exact or of one rounding of `1 - s - t` or of a weight in the piece, so a point
 /// as near to a corner as its coordinates can say is found in a piece of its own size.
@@ -126,7 +88,7 @@ impl Place {
 /// Without a branch, because for random places none could be foreseen, and so that a loop over places
 /// is done in lanes.
 #[inline(always)]
-pub fn in_piece(s: f64, t: f64, regular: u64) -> (u64, f64, f64) {
+pub fn in_face(s: f64, t: f64, regular: u64) -> (u64, f64, f64, f64) {
     // Exact, or off by one rounding of a number no larger than the distance to the corner.
     let r = (1.0 - s - t).max(0.0);
     let (first, second, third) = (s + t < 0.5, s > 0.5, t > 0.5);
@@ -156,8 +118,20 @@ pub fn in_piece(s: f64, t: f64, regular: u64) -> (u64, f64, f64) {
     let s_there = pick(at_vertex, first, [0.0, x, pick(second, true, [z, y, y])]);
     let t_there = pick(at_vertex, first, [0.0, y, pick(second, true, [x, z, z])]);
     let there = 16 * depth + 4 * corner + quarter;
-    if first | second | third { (there, s_there, t_there) } else { (12, 1.0 - 2.0 * s, 1.0 - 2.0 * t) }
+    // Of a vertex the tangent plane is taken, along the face.
+    let scale_there = if at_vertex { 1.0 } else { doubled * turn };
+
+    let (at_corner, all) = (first | second | third, regular == WHOLE);
+    (
+        pick(all, at_corner, [Piece::WHOLE.0.into(), there, Piece::MIDDLE.0.into()]),
+        pick(all, at_corner, [s, s_there, 1.0 - 2.0 * s]),
+        pick(all, at_corner, [t, t_there, 1.0 - 2.0 * t]),
+        pick(all, at_corner, [1.0, scale_there, -2.0]),
+    )
 }
+
+/// Stands for the regular corners of a face that is one polynomial.
+pub const WHOLE: u64 = 8;
 
 /// The exponent of numbers in `[1/4, 1/2)`, as it is stored.
 const DEPTH_0: u64 = 1021;
@@ -185,21 +159,25 @@ mod tests {
     #[test]
     fn pieces_are_scaled_copies_of_the_face() {
         let mut random = Random(5);
-        for regular in 0..8 {
-            let mut seen: Vec<Option<Place>> = vec![None; 16 * usize::from(DEEPEST + 1)];
+        for regular in 0..=WHOLE {
+            let mut seen: Vec<Option<[f64; 2]>> = vec![None; 16 * usize::from(DEEPEST + 1)];
             let mut found = 0;
             for i in 0..20_000 {
                 let (s, t) = random.place();
                 let near = 2_f64.powi(-(i % 5));
-                let at = Place::in_irregular(s * near, t * near, regular);
-                let size = 1e-15 + f64::EPSILON * at.piece.scale().abs();
-                assert!(at.s > -size && at.t > -size && at.s + at.t < 1.0 + size, "{at:?}");
-                let origin =
-                    Place { s: at.s - at.piece.scale() * s * near, t: at.t - at.piece.scale() * t * near, ..at };
-                match seen[at.piece.index()].replace(origin) {
-                    Some(o) => assert!((o.s - origin.s).abs() < 4.0 * size && (o.t - origin.t).abs() < 4.0 * size),
+                let (s, t) = (s * near, t * near);
+                let (piece, x, y, scale) = in_face(s, t, regular);
+                let size = 1e-15 + f64::EPSILON * scale.abs();
+                assert!(x > -size && y > -size && x + y < 1.0 + size, "({x}, {y}) in {piece}");
+                let origin = [x - scale * s, y - scale * t];
+                match seen[piece as usize].replace(origin) {
+                    Some(o) => assert!((0..2).all(|k| (o[k] - origin[k]).abs() < 4.0 * size)),
                     None => found += 1,
                 }
+            }
+            if regular == WHOLE {
+                assert_eq!((found, seen[Piece::WHOLE.index()]), (1, Some([0.0; 2])));
+                continue;
             }
             // Four where every corner is regular; more around each that is not.
             assert_eq!(regular == 7, found == 4, "{found} pieces");

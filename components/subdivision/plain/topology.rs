@@ -168,11 +168,11 @@ impl PlainTopology {
     }
 
     /// Which corners of a face that is not regular are: bit `i` says so of corner `i`. Only those inside
-    /// count, not those on borders.
+    /// count, not those on borders. `None` of a face that is regular itself.
     #[inline(always)]
-    pub fn regular_corners(&self, face: FaceId) -> u64 {
-        let [a, b, c] = self.finer_corners(face);
-        u64::from(a.is_regular()) | u64::from(b.is_regular()) << 1 | u64::from(c.is_regular()) << 2
+    pub fn regular_corners(&self, face: FaceId) -> Option<u64> {
+        let [a, b, c] = self.corners.get(self.irregular[face.index()] as usize)?;
+        Some(u64::from(a.is_regular()) | u64::from(b.is_regular()) << 1 | u64::from(c.is_regular()) << 2)
     }
 
     /// The corners of a face that is not regular.
@@ -267,9 +267,12 @@ fn finer_corners(
             block: blocks[v.index()],
             valence: mesh.valence(v),
             first: slots[h.index()] - blocks[v.index()] - block::RING,
-            // The one after the twin, which leaves the next corner, in the ring there; a closed ring
-            // ends with its first point again.
-            before: mesh.twin(h).map_or(NONE, |twin| slots[twin.index()] + 1),
+            // The one after the twin, which leaves the next corner, in the ring there.
+            before: mesh.twin(h).map_or(NONE, |twin| {
+                let end = blocks[mesh.from(twin).index() + 1];
+                let (after, first) = (slots[twin.index()] + 1, blocks[mesh.from(twin).index()] + block::RING);
+                if after < end { after } else { first }
+            }),
             after: mesh.twin(h.previous()).map_or(NONE, |twin| slots[twin.next().index()]),
         }
     };

@@ -1,7 +1,5 @@
 //! Evaluates places in turn; what one face is made of is made once, as far as its places need it.
 
-use core::ops::Range;
-
 use glam::DVec3;
 use selvedge_components::evaluate::Jet;
 use selvedge_components::mesh::FaceId;
@@ -32,68 +30,82 @@ pub(super) trait Put {
 const BLOCK: usize = 64;
 
 /// Where in their faces the places of a block lie; lists, so that it is found out in lanes.
+///
+/// How many places share a face, and which of its pieces each lies in, cannot be foreseen: nothing
+/// branches on it but the making of a polynomial.
 struct Block {
     s: [f64; BLOCK],
     t: [f64; BLOCK],
-    /// Which corners of their faces are regular.
+    /// Which run of places with one face each is in.
+    run: [u8; BLOCK],
+    /// The first place of each run; the first `runs` count.
+    starts: [u8; BLOCK],
+    runs: usize,
+    /// By run, which corners of the face are regular; [`place::WHOLE`] if all of it is.
+    corners: [u64; BLOCK],
+    /// By place, the same.
     regular: [u64; BLOCK],
-    /// The pieces of faces that are not regular, and the places in them.
+    /// The pieces, the places in them, and how much faster coordinates run there than in the faces.
     piece: [u64; BLOCK],
     piece_s: [f64; BLOCK],
     piece_t: [f64; BLOCK],
-    /// Which places begin where there is a new face; the first `runs` count.
-    starts: [u8; BLOCK],
-    runs: usize,
+    scale: [f64; BLOCK],
 }
 
 impl Block {
     const EMPTY: Self = Self {
         s: [0.0; BLOCK],
         t: [0.0; BLOCK],
+        run: [0; BLOCK],
+        starts: [0; BLOCK],
+        runs: 0,
+        corners: [0; BLOCK],
         regular: [0; BLOCK],
         piece: [0; BLOCK],
         piece_s: [0.0; BLOCK],
         piece_t: [0.0; BLOCK],
-        starts: [0; BLOCK],
-        runs: 0,
+        scale: [0.0; BLOCK],
     };
 
     /// Reads up to [`BLOCK`] places.
     #[inline(always)]
     fn read(&mut self, places: &[impl Located]) {
-        self.runs = 0;
-        let mut last = None;
-        for (i, ((place, s), t)) in places.iter().zip(&mut self.s).zip(&mut self.t).enumerate() {
-            let (at_s, at_t) = place.st();
-            (*s, *t) = place::clamp(at_s, at_t);
-            if last != Some(place.face()) {
-                last = Some(place.face());
-                self.starts[self.runs & (BLOCK - 1)] = i as u8;
-                self.runs += 1;
-            }
+        let Some(mut last) = places.first().map(Located::face) else {
+            self.runs = 0;
+            return;
+        };
+        let mut run = 0_usize;
+        self.starts[0] = 0;
+        for (i, place) in places.iter().enumerate().take(BLOCK) {
+            let (s, t) = place.st();
+            (self.s[i], self.t[i]) = place::clamp(s, t);
+            run += usize::from(place.face() != last);
+            last = place.face();
+            self.run[i] = run as u8;
+            // Where the next run would begin, written over until it does.
+            self.starts[(run + 1) % BLOCK] = i as u8 + 1;
         }
-    }
-
-    /// The `run`-th run of places of `count` with one face.
-    #[inline(always)]
-    fn run(&self, run: usize, count: usize) -> Range<usize> {
-        let end = if run + 1 < self.runs { usize::from(self.starts[run + 1]) } else { count };
-        usize::from(self.starts[run])..end
+        // A run of its own for each place: the last has written beyond the end, to the front.
+        self.starts[0] = 0;
+        self.runs = run + 1;
     }
 
     #[inline(always)]
     fn find_pieces(&mut self) {
+        for (regular, &run) in self.regular.iter_mut().zip(&self.run) {
+            *regular = self.corners[usize::from(run) % BLOCK];
+        }
         for i in 0..BLOCK {
-            (self.piece[i], self.piece_s[i], self.piece_t[i]) = place::in_piece(self.s[i], self.t[i], self.regular[i]);
+            let found = place::in_face(self.s[i], self.t[i], self.regular[i]);
+            (self.piece[i], self.piece_s[i], self.piece_t[i], self.scale[i]) = found;
         }
     }
 }
 
-/// The polynomial of a piece of the `face`-th face that is not regular.
+/// The polynomial of a piece of the `face`-th face.
 #[derive(Clone, Copy)]
 struct Made<V> {
-    face: u32,
-    scale: f64,
+    face: u64,
     quartic: Quartic<V>,
 }
 
@@ -104,19 +116,20 @@ pub(super) struct Worker<'a, L: Store> {
     reader: PatchReader<'a, L>,
     /// The places in work and those after them, in turn.
     blocks: [Block; 2],
-    corners: [CornerPieces<'a, L>; 3],
+    /// Of the face of that number.
+    corners: [(u64, CornerPieces<'a, L>); 3],
     /// By the index of a piece.
     pieces: Vec<Made<L::Vector>>,
-    /// How many faces there have been.
-    faces: u32,
+    /// Faces are numbered as they come, from one: that of the first place in work.
+    face: u64,
 }
 
 impl<'a, L: Store> Worker<'a, L> {
     #[inline(always)]
     pub fn new(surface: &'a PlainLoop, store: L) -> Self {
         let reader = PatchReader::new(surface, store);
-        let corners = [reader.scratch(), reader.scratch(), reader.scratch()];
-        Self { store, surface, reader, blocks: [Block::EMPTY; 2], corners, pieces: Vec::new(), faces: 0 }
+        let corners = [(0, reader.scratch()), (0, reader.scratch()), (0, reader.scratch())];
+        Self { store, surface, reader, blocks: [Block::EMPTY; 2], corners, pieces: Vec::new(), face: 1 }
     }
 
     /// Evaluates `places`; what has the same face should stand together. While one block is in work,
@@ -124,109 +137,106 @@ impl<'a, L: Store> Worker<'a, L> {
     #[inline(always)]
     pub fn run(&mut self, places: &[impl Located], put: &mut impl Put) {
         let irregular = self.surface.topology().irregular_count() > 0;
-        let mut last = None;
         let mut ahead = places.chunks(BLOCK);
         self.blocks[0].read(ahead.next().unwrap_or(&[]));
         for (number, places) in places.chunks(BLOCK).enumerate() {
             let next = ahead.next().unwrap_or(&[]);
             self.blocks[(number + 1) % 2].read(next);
-            if irregular {
-                self.find_pieces(number, places);
+            if irregular && self.find_pieces(number, places) {
+                self.mixed(number, places, next, put);
+            } else {
+                self.regular(number, places, next, put);
             }
-            for run in 0..self.blocks[number % 2].runs {
-                self.prefetch(run, number + 1, next, put);
-                let run = self.blocks[number % 2].run(run, places.len());
-                let face = places[run.start].face();
-                if self.surface.topology().is_regular(face) {
-                    self.regular(face, run, number, put);
-                } else {
-                    if last != Some(face) {
-                        self.begin_face();
-                    }
-                    self.irregular(face, run, number, put);
-                }
-                last = Some(face);
-            }
+            let goes_on = places.last().map(Located::face) == next.first().map(Located::face);
+            self.face += self.blocks[number % 2].runs as u64 - u64::from(goes_on);
         }
     }
 
-    /// Asks for what the `run`-th face of the next block is made of, and for where its results go.
+    /// Asks for what the `run`-th face of a block is made of.
     #[inline(always)]
-    fn prefetch(&self, run: usize, number: usize, places: &[impl Located], put: &impl Put) {
+    fn prefetch(&self, run: usize, number: usize, places: &[impl Located]) {
         let block = &self.blocks[number % 2];
         if run < block.runs {
-            let run = block.run(run, places.len());
-            self.reader.prefetch(places[run.start].face());
-            for i in run {
-                put.prefetch(BLOCK * number + i);
-            }
+            self.reader.prefetch(places[usize::from(block.starts[run])].face());
         }
     }
 
-    /// Finds the pieces in which the places of a block lie.
+    /// Finds the pieces in which the places of a block lie, unless all its faces are regular.
     #[inline(always)]
-    fn find_pieces(&mut self, number: usize, places: &[impl Located]) {
+    fn find_pieces(&mut self, number: usize, places: &[impl Located]) -> bool {
         let topology = self.surface.topology();
         let block = &mut self.blocks[number % 2];
-        for run in 0..block.runs {
-            let run = block.run(run, places.len());
-            let face = places[run.start].face();
-            let regular = if topology.is_regular(face) { 0 } else { topology.regular_corners(face) };
-            block.regular[run].fill(regular);
+        let mut irregular = false;
+        for (corners, &start) in block.corners.iter_mut().zip(&block.starts[..block.runs]) {
+            let of_face = topology.regular_corners(places[usize::from(start)].face());
+            *corners = of_face.unwrap_or(place::WHOLE);
+            irregular |= of_face.is_some();
         }
-        block.find_pieces();
+        if irregular {
+            block.find_pieces();
+        }
+        irregular
     }
 
+    /// Evaluates a block whose faces are all regular.
     #[inline(always)]
-    fn regular(&self, face: FaceId, run: Range<usize>, number: usize, put: &mut impl Put) {
+    fn regular(&self, number: usize, places: &[impl Located], next: &[impl Located], put: &mut impl Put) {
         let (block, first) = (&self.blocks[number % 2], BLOCK * number);
-        let quartic = self.reader.whole(face);
-        let at = block.s[run.clone()].iter().zip(&block.t[run.clone()]);
-        for (i, (&s, &t)) in (first + run.start..).zip(at) {
-            put.put(i, self.jet(&quartic, s, t, 1.0));
-        }
-    }
-
-    #[inline(always)]
-    fn begin_face(&mut self) {
-        self.faces += 1;
-        for corner in &mut self.corners {
-            corner.clear();
-        }
-    }
-
-    #[inline(always)]
-    fn irregular(&mut self, face: FaceId, run: Range<usize>, number: usize, put: &mut impl Put) {
-        for i in run {
-            let i = i & (BLOCK - 1);
-            let piece = self.blocks[number % 2].piece[i] as usize;
-            if self.pieces.get(piece).is_none_or(|made| made.face != self.faces) {
-                self.make(face, piece);
+        for run in 0..block.runs {
+            self.prefetch(run, number + 1, next);
+            let end = if run + 1 < block.runs { usize::from(block.starts[run + 1]) } else { places.len() };
+            let start = usize::from(block.starts[run]);
+            let quartic = self.reader.whole(places[start].face());
+            for i in start..end {
+                if i < next.len() {
+                    put.prefetch(first + BLOCK + i);
+                }
+                put.put(first + i, self.jet(&quartic, block.s[i], block.t[i], 1.0));
             }
-            let (Made { scale, quartic, .. }, block) = (&self.pieces[piece], &self.blocks[number % 2]);
-            put.put(BLOCK * number + i, self.jet(quartic, block.piece_s[i], block.piece_t[i], *scale));
         }
     }
 
-    /// Makes the polynomial of a piece.
+    /// Evaluates a block of any faces, of which the pieces are found.
     #[inline(always)]
-    fn make(&mut self, face: FaceId, index: usize) {
+    fn mixed(&mut self, number: usize, places: &[impl Located], next: &[impl Located], put: &mut impl Put) {
+        let first = BLOCK * number;
+        for i in 0..places.len().min(BLOCK) {
+            self.prefetch(i, number + 1, next);
+            if i < next.len() {
+                put.prefetch(first + BLOCK + i);
+            }
+            let block = &self.blocks[number % 2];
+            let (piece, face) = (block.piece[i] as usize, self.face + u64::from(block.run[i]));
+            if self.pieces.get(piece).is_none_or(|made| made.face != face) {
+                self.make(places[i].face(), face, piece);
+            }
+            let (block, made) = (&self.blocks[number % 2], &self.pieces[piece]);
+            put.put(first + i, self.jet(&made.quartic, block.piece_s[i], block.piece_t[i], block.scale[i]));
+        }
+    }
+
+    /// Makes the polynomial of a piece of `face`, which is the `number`-th.
+    #[inline(always)]
+    fn make(&mut self, face: FaceId, number: u64, index: usize) {
         if self.pieces.len() <= index {
             self.grow(index);
         }
         let piece = Piece::from_index(index);
         let made = &mut self.pieces[index];
-        (made.face, made.scale) = (self.faces, piece.scale());
+        made.face = number;
         // Each where it is made: a polynomial is too large to be handed around.
-        if piece == Piece::MIDDLE {
+        if piece == Piece::WHOLE {
+            made.quartic = self.reader.whole(face);
+        } else if piece == Piece::MIDDLE {
             made.quartic = self.reader.middle(face);
         } else if piece.quarter() == 3 {
             made.quartic = self.reader.regular_corner(face, piece.corner());
         } else if piece.depth() == DEEPEST {
             made.quartic = self.reader.tangent_plane(face, piece.corner());
         } else {
-            let pieces = &mut self.corners[usize::from(piece.corner())];
-            if pieces.depths() == 0 {
+            let (of_face, pieces) = &mut self.corners[usize::from(piece.corner())];
+            if *of_face != number {
+                *of_face = number;
                 self.reader.corner(face, piece.corner(), pieces);
             }
             while pieces.depths() <= usize::from(piece.depth()) {
@@ -238,7 +248,7 @@ impl<'a, L: Store> Worker<'a, L> {
 
     #[cold]
     fn grow(&mut self, index: usize) {
-        let none = Made { face: 0, scale: 0.0, quartic: Quartic { coefficients: [self.store.load(DVec3::ZERO); 14] } };
+        let none = Made { face: 0, quartic: Quartic { coefficients: [self.store.load(DVec3::ZERO); 14] } };
         self.pieces.resize(index + 1, none);
     }
 
