@@ -19,7 +19,7 @@ pub struct CornerPieces<'a, L: Load> {
     load: L,
     pub(super) corner: Corner<'a, L::Vector>,
     /// The corner's neighbours at the finest level so far, counter-clockwise; around a border from the
-    /// next border vertex to the previous one. Empty where no level but the first was needed.
+    /// next border vertex to the previous one. Empty where no level but the first two was needed.
     ring: Vec<L::Vector>,
     /// As long as `ring`.
     spare: Vec<L::Vector>,

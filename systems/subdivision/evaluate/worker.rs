@@ -200,7 +200,7 @@ impl<'a, L: Store> Worker<'a, L> {
     #[inline(always)]
     fn mixed(&mut self, number: usize, places: &[impl Located], next: &[impl Located], put: &mut impl Put) {
         let first = BLOCK * number;
-        for i in 0..places.len().min(BLOCK) {
+        for (i, place) in places.iter().enumerate().take(BLOCK) {
             self.prefetch(i, number + 1, next);
             if i < next.len() {
                 put.prefetch(first + BLOCK + i);
@@ -208,7 +208,7 @@ impl<'a, L: Store> Worker<'a, L> {
             let block = &self.blocks[number % 2];
             let (piece, face) = (block.piece[i] as usize, self.face + u64::from(block.run[i]));
             if self.pieces.get(piece).is_none_or(|made| made.face != face) {
-                self.make(places[i].face(), face, piece);
+                self.make(place.face(), face, piece);
             }
             let (block, made) = (&self.blocks[number % 2], &self.pieces[piece]);
             put.put(first + i, self.jet(&made.quartic, block.piece_s[i], block.piece_t[i], block.scale[i]));

@@ -1,20 +1,18 @@
 //! Trims that are made together: remesh, what begins their fit, and what ends it.
 
+mod blame;
+mod report;
+
 use std::sync::Arc;
 
 use bevy_ecs::prelude::Component;
-use glam::DVec3;
 use selvedge_components::budget::Budgets;
-use selvedge_components::mesh::VertexId;
 use selvedge_components::subdivision::fit::{FitOptions, Outcome, Region};
-use selvedge_components::subdivision::remesh::{PreImageError, RemeshError};
+use selvedge_components::subdivision::remesh::RemeshError;
 use selvedge_components::subdivision::{FaceCode, LoopSurface};
 use selvedge_components::target::{Guarded, Target};
 use selvedge_components::tolerance::Tolerance;
-use selvedge_components::trim::{
-    Omega, OtherReport, Sides, TrimAuditFault, TrimFault, TrimOptions, TrimQuantum, TrimReport, TrimStage, TrimmedCage,
-};
-use thiserror::Error;
+use selvedge_components::trim::{Omega, Sides, TrimFault, TrimOptions, TrimQuantum, TrimStage};
 
 use super::audit::TrimAuditWork;
 use super::compose::ZoneOf;
@@ -23,14 +21,14 @@ use super::locate::Located;
 use super::other::OtherWork;
 use super::zone::Zone;
 use crate::closest::Search;
-use crate::spatial::{Bounds, Bvh};
 use crate::subdivision::fit::FitWork;
 use crate::subdivision::natural::Natural;
 use crate::subdivision::region;
-use crate::subdivision::relax::shape;
 use crate::subdivision::remesh::{
     Cut, FaceOrigin, JunctionOptions, PreImage, RelaxQuantum, RemeshOptions, RemeshQuantum, RemeshWork, Remeshed,
 };
+
+pub use blame::Blamed;
 
 /// Trims in progress that are made together: all their dense state, but for that of their fit.
 ///
@@ -247,70 +245,6 @@ impl TrimWork {
         self.fit.take().map(|fit| *fit)
     }
 
-    /// A failure for which no single curve can be named is that of the newest trim: those before it
-    /// may be sound without it.
-    pub fn newest(&self, why: TrimFault) -> Blamed {
-        Blamed { trim: self.members.len().saturating_sub(1), with: None, why }
-    }
-
-    /// A failure at a place is that of the trim whose curve is nearest; one at no place the newest's.
-    pub fn nearest(&self, why: TrimFault) -> Blamed {
-        let Some(at) = place_of(&why) else { return self.newest(why) };
-        let away = |image: &PreImage| {
-            let distances = image.points.iter().map(|p| p.position.distance_squared(at));
-            distances.fold(f64::INFINITY, f64::min)
-        };
-        let owners = self.owners().into_iter().map(|owner| owner.0);
-        let nearest = self.parts().zip(owners).map(|((_, image), trim)| (away(image), trim));
-        match nearest.reduce(|a, b| if b.0 < a.0 { b } else { a }) {
-            Some((_, trim)) => Blamed { trim, with: None, why },
-            None => self.newest(why),
-        }
-    }
-
-    /// Names the trim whose curve an error is about, and the curve as that trim counts its own.
-    fn blame(&self, mut why: RemeshError) -> Blamed {
-        let owners = self.owners();
-        if let RemeshError::Gap { curves, .. }
-        | RemeshError::Tangential { curves, .. }
-        | RemeshError::Coincident { curves, .. } = &mut why
-        {
-            // Of two that do not go together, the newer one is in the way.
-            let [older, newer] = curves.map(|part| owners.get(part).map(|owner| owner.0));
-            *curves = curves.map(|part| owners.get(part).map_or(part, |owner| owner.1));
-            return match newer {
-                Some(trim) => Blamed { trim, with: older.filter(|&older| older != trim), why: why.into() },
-                None => self.newest(why.into()),
-            };
-        }
-        let blamed = match &mut why {
-            RemeshError::PreImage { source: PreImageError::Crossing { curves, .. }, curve } => {
-                // Of two curves that cross, the newer one is in the way.
-                let newer = curves[0].max(curves[1]);
-                *curves = curves.map(|part| owners.get(part).map_or(part, |owner| owner.1));
-                Some((curve, newer))
-            }
-            RemeshError::PreImage { curve, .. }
-            | RemeshError::Open { curve, .. }
-            | RemeshError::DoesNotSeparate { curve, .. }
-            | RemeshError::NothingLeft { curve }
-            | RemeshError::TooFine { curve, .. }
-            | RemeshError::Tangled { curve, .. }
-            | RemeshError::Cusp { curve, .. }
-            | RemeshError::BorderGap { curve, .. }
-            | RemeshError::AlongBorder { curve, .. }
-            | RemeshError::Unresolved { curve, .. } => {
-                let part = *curve;
-                Some((curve, part))
-            }
-            _ => None,
-        };
-        let Some((curve, part)) = blamed else { return self.newest(why.into()) };
-        let Some(&(trim, own)) = owners.get(part) else { return self.newest(why.into()) };
-        *curve = own;
-        Blamed { trim, with: None, why: why.into() }
-    }
-
     /// Runs one work quantum of the audit of `fit`, which is done.
     ///
     /// # Errors
@@ -359,64 +293,9 @@ impl TrimWork {
         &self.others
     }
 
-    /// How the other side of a trim went, by its index among those made together.
-    pub fn other_report(&self, trim: usize) -> Option<OtherReport> {
-        self.others.iter().find(|other| other.trim == trim)?.report(self)
-    }
-
-    /// An error with its curves as the trims count them.
-    pub(super) fn named(&self, why: RemeshError) -> TrimFault {
-        self.blame(why).why
-    }
-
     /// What is left of the source, once the audit has begun.
     pub fn result(&self) -> Option<&Arc<LoopSurface>> {
         self.audit.as_ref().map(TrimAuditWork::surface)
-    }
-
-    /// The report; `None` before the audit is done.
-    pub fn report(&self, fit: &FitWork) -> Option<TrimReport> {
-        let (remeshed, audit) = (self.remeshed.as_ref()?, self.audit.as_ref()?);
-        Some(TrimReport {
-            together: Vec::new(),
-            off: self.parts().map(|(_, part)| part.distance()).fold(0.0, f64::max),
-            initial: fit.initial().copied(),
-            ladder: fit.ladder().to_vec(),
-            outcome: fit.outcome()?,
-            details: fit.details().count(),
-            relaxed: remeshed.relaxed.clone(),
-            cage: self.cage(remeshed),
-            audit: *audit.found(),
-            other: None,
-        })
-    }
-
-    pub(super) fn cage(&self, remeshed: &Remeshed) -> TrimmedCage {
-        let mesh = &remeshed.surface.mesh;
-        let omega = &remeshed.omega;
-        let changed = remeshed.changed.iter();
-        let worst = |worst: f64, face: &FaceCode| {
-            worst.min(shape(mesh.face(face.root_face(0)).map(|v| remeshed.limit[v.index()])))
-        };
-        TrimmedCage {
-            faces: mesh.face_count(),
-            outside: mesh.face_count() - omega.len(),
-            changed_radius: self.changed_radius(remeshed),
-            greatest_valence: changed.map(|&v| mesh.valence(v)).max().unwrap_or(0),
-            worst_shape: omega.iter().fold(f64::INFINITY, worst),
-        }
-    }
-
-    /// The farthest from the curves that a control point has changed.
-    fn changed_radius(&self, remeshed: &Remeshed) -> f64 {
-        let path: Vec<DVec3> = self.parts().flat_map(|(_, part)| &part.points).map(|p| p.position).collect();
-        let boxes: Vec<Bounds> = path.iter().map(|&p| Bounds::of([p])).collect();
-        let tree = Bvh::new(&boxes);
-        let away = |v: &VertexId| {
-            let x = remeshed.limit[v.index()];
-            tree.nearest(x, |i| path[i as usize].distance_squared(x)).map_or(f64::INFINITY, |nearest| nearest.1)
-        };
-        remeshed.changed.iter().map(away).fold(0.0, f64::max).sqrt()
     }
 
     /// Runs all stages to the end: what a host without a schedule does.
@@ -468,33 +347,6 @@ impl TrimWork {
         while self.audit(&fit)? == TrimQuantum::More {}
         Ok(fit)
     }
-}
-
-/// Where something went wrong, if that is one place.
-fn place_of(why: &TrimFault) -> Option<DVec3> {
-    match why {
-        TrimFault::NotReached { outcome } => match outcome {
-            Outcome::LevelsSpent { at, .. } | Outcome::Stalled { at, .. } | Outcome::OutOfReach { at, .. } => Some(*at),
-            Outcome::Within => None,
-        },
-        TrimFault::Audit { faults } => faults.iter().find_map(|fault| match fault {
-            TrimAuditFault::Distance { at, .. } | TrimAuditFault::OffCurve { at, .. } => Some(*at),
-            _ => None,
-        }),
-        _ => None,
-    }
-}
-
-/// A failure of trims made together, and which of them is to go.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[error("trim {trim}: {why}")]
-pub struct Blamed {
-    /// The trim, by index among those made together.
-    pub trim: usize,
-    /// Where it is about curves of two of them, the older.
-    pub with: Option<usize>,
-    /// What happened.
-    pub why: TrimFault,
 }
 
 fn strictest_tolerance(a: Tolerance, b: Tolerance) -> Tolerance {
