@@ -59,8 +59,8 @@ impl SubdivisionStage {
 pub struct StageContract {
     /// The set that the system is in, and by which it is replaced.
     pub set: &'static str,
-    /// The name of the system's function; `None` where the set is still empty.
-    pub system: Option<&'static str>,
+    /// The name of the system's function.
+    pub system: &'static str,
     /// What it does, in a sentence.
     pub does: &'static str,
     /// Components and resources that it reads, or that decide which entities it looks at.
@@ -77,7 +77,7 @@ pub struct StageContract {
 pub const STAGES: &[StageContract] = &[
     StageContract {
         set: "SelvedgeSystems::Gather",
-        system: Some("enroll"),
+        system: "enroll",
         does: "numbers surfaces, curves and jobs that are new",
         reads: &["Cage", "Fit", "Serial", "SpaceCurve", "Trim"],
         writes: &["GroundDiagnostics", "Serials"],
@@ -86,7 +86,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SelvedgeSystems::Gather",
-        system: Some("gather_surfaces"),
+        system: "gather_surfaces",
         does: "brings snapshots up to date with their entities, where a value has changed",
         reads: &[
             "Address",
@@ -110,7 +110,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SelvedgeSystems::Check",
-        system: Some("check_curves"),
+        system: "check_curves",
         does: "refuses curves that have a fault",
         reads: &["CurveFailed", "SpaceCurve"],
         writes: &["GroundDiagnostics"],
@@ -119,7 +119,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SelvedgeSystems::Check",
-        system: Some("check_surfaces"),
+        system: "check_surfaces",
         does: "refuses surfaces that have a fault",
         reads: &["Budgets", "Snapshot", "SurfaceFailed"],
         writes: &["GroundDiagnostics"],
@@ -128,7 +128,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SubdivisionStage::Admit",
-        system: Some("admit_fits"),
+        system: "admit_fits",
         does: "begins jobs, begins again those whose inputs have changed, takes back what was cancelled",
         reads: &[
             "Budgets",
@@ -159,7 +159,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SubdivisionStage::Admit",
-        system: Some("admit_trims"),
+        system: "admit_trims",
         does: "begins trims, begins again those whose inputs have changed, groups those that are located",
         reads: &[
             "Budgets",
@@ -206,7 +206,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SubdivisionStage::Remesh",
-        system: Some("locate_trims"),
+        system: "locate_trims",
         does: "lets trims AtLocate find where a curve runs on their source, and sets their step",
         reads: &["AtLocate"],
         writes: &["LocateWork", "SubdivisionDiagnostics", "TrimJob"],
@@ -215,7 +215,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SubdivisionStage::Remesh",
-        system: Some("remesh_trims"),
+        system: "remesh_trims",
         does: "lets trims AtRemesh work their curves into the cage, and sets their step",
         reads: &["AtRemesh"],
         writes: &["SubdivisionDiagnostics", "TrimJob", "TrimWork"],
@@ -224,7 +224,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SubdivisionStage::Relax",
-        system: Some("relax_trims"),
+        system: "relax_trims",
         does: "lets new vertices of trims AtRelax settle along the curves, begins a fit, and sets their step",
         reads: &["AtRelax"],
         writes: &["SubdivisionDiagnostics", "TrimJob", "TrimWork"],
@@ -233,7 +233,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SubdivisionStage::Correspond",
-        system: Some("correspond_fits"),
+        system: "correspond_fits",
         does: "lets jobs AtCorrespond do one quantum and sets their step",
         reads: &["AtCorrespond"],
         writes: &["FitJob", "FitWork", "SubdivisionDiagnostics"],
@@ -242,7 +242,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SubdivisionStage::Modify",
-        system: Some("modify_fits"),
+        system: "modify_fits",
         does: "lets jobs AtModify do one quantum and sets their step; writes the details of those that leave",
         reads: &["Address", "AtModify", "DetailLevel", "DetailOf"],
         writes: &["Detail", "FitJob", "FitWork", "SubdivisionDiagnostics"],
@@ -251,7 +251,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SubdivisionStage::Refine",
-        system: Some("refine_fits"),
+        system: "refine_fits",
         does: "lets jobs AtRefine do one quantum and sets their step; spawns what the next level may move",
         reads: &["AtRefine", "Detail", "DetailOf"],
         writes: &["FitJob", "FitWork", "SubdivisionDiagnostics"],
@@ -260,7 +260,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SelvedgeSystems::Triangulate",
-        system: Some("triangulate_surfaces"),
+        system: "triangulate_surfaces",
         does: "triangulates surfaces that ask for it, where surface or options have become other ones",
         reads: &["Budgets", "Snapshot", "Tolerance", "TriangulateOptions", "Triangulated"],
         writes: &["GroundDiagnostics"],
@@ -269,7 +269,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SelvedgeSystems::Audit",
-        system: Some("audit_surfaces"),
+        system: "audit_surfaces",
         does: "measures new triangles by other means than those that made them, where that is asked for",
         reads: &["AuditOptions", "Snapshot", "Triangles", "Triangulated", "TriangulationFailed"],
         writes: &["GroundDiagnostics"],
@@ -278,7 +278,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SelvedgeSystems::Audit",
-        system: Some("audit_trims"),
+        system: "audit_trims",
         does: "lets trims AtAudit measure some faces of what they leave, and sets their step",
         reads: &["AtAudit", "FitWork"],
         writes: &["SubdivisionDiagnostics", "TrimJob", "TrimWork"],
@@ -287,7 +287,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SubdivisionStage::Advance",
-        system: Some("advance_fits"),
+        system: "advance_fits",
         does: "takes the step of every job: moves its marker, delivers its result, or tells its failure",
         reads: &["Address", "DetailLevel", "Fit", "FitWork"],
         writes: &["Detail", "DetailOf", "FitJob", "SubdivisionDiagnostics"],
@@ -303,7 +303,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SubdivisionStage::Advance",
-        system: Some("advance_trims"),
+        system: "advance_trims",
         does: "takes the step of every trim: moves its marker, keeps what it leaves, or tells its failure",
         reads: &["Address", "DetailLevel", "FitWork", "Trim"],
         writes: &[
@@ -349,7 +349,7 @@ pub const STAGES: &[StageContract] = &[
     },
     StageContract {
         set: "SubdivisionStage::Advance",
-        system: Some("compose_results"),
+        system: "compose_results",
         does: "puts together what is left of each source, once none of its trims is at work",
         reads: &[
             "ComposedOf",
