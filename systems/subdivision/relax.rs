@@ -75,6 +75,11 @@ impl Strung {
         &self.knots
     }
 
+    /// The knots, for their parameters to be set otherwise.
+    pub(super) fn knots_mut(&mut self) -> &mut [Slider] {
+        &mut self.knots
+    }
+
     /// Moves every smooth knot once, by where its neighbours stood before.
     pub fn sweep(&mut self, curve: &dyn Curve, heading: Heading) {
         let n = self.knots.len();

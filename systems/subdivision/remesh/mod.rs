@@ -7,7 +7,7 @@
 //! Steps, each a kernel of its own: [`preimage`] finds where the curves run, [`adapt`] makes the cage
 //! fine enough there, [`closure`] makes it conforming, [`remove`] takes away what lies on the right,
 //! [`attach`] lays a strip of triangles between the rest and each curve, [`relax`](super::relax)
-//! spaces its vertices, [`cleanup`] mends valences, and [`assemble`] makes a surface of it.
+//! spaces its vertices, `settle` moves those of thin triangles, [`cleanup`] mends valences, and [`assemble`] makes a surface of it.
 //! [Litke et al. 2001, Section 3.1] [`work`] runs them, a quantum at a time.
 //!
 //! Everything is measured in space, on the limit surface, but only over connected ground; so cages
@@ -33,6 +33,7 @@ pub mod path;
 pub mod preimage;
 pub mod remove;
 mod sets;
+mod settle;
 mod sides;
 mod stretch;
 pub mod track;

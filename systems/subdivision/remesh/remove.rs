@@ -97,7 +97,9 @@ impl Cage<'_> {
         crossed.iter().for_each(|&(f, _)| fates[f as usize] = Fate::Cut);
         for (fate, corners) in fates.iter_mut().zip(self.triangles) {
             let room = self.margin * size(corners.map(|v| self.limit[v as usize]));
-            if corners.iter().any(|&v| near[v as usize].is_some_and(|n| n.distance < room)) {
+            // The curve itself lies a little aside of its track.
+            let too_near = |n: Near| n.distance < room + self.track.stand_off(n.segment);
+            if corners.iter().any(|&v| near[v as usize].is_some_and(too_near)) {
                 *fate = Fate::Cut;
             }
         }

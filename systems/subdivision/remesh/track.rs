@@ -251,6 +251,29 @@ impl Track {
         SurfacePoint { face: leg.face, st: leg.from.lerp(leg.to, f) }
     }
 
+    /// How far the curve stands off a segment in its middle, about: of a bend `k` and a chord `c` it is
+    /// `k c^2 / 8`, and the bend is what the track turns by over the segments to both sides of a point.
+    pub fn stand_off(&self, segment: u32) -> f64 {
+        let point = &self.points[segment as usize];
+        let (a, b) = self.ends(segment);
+        let length = a.distance(b);
+        let bend = |first: u32, second: u32, joint: u32| {
+            if first == NONE || !self.is_segment(second) || self.points[joint as usize].corner {
+                return 0.0;
+            }
+            let [u, v] = [first, second].map(|s| {
+                let (a, b) = self.ends(s);
+                b - a
+            });
+            let both = u.length() + v.length();
+            if both > 0.0 { 2.0 * u.angle_between(v) / both } else { 0.0 }
+        };
+        let before = bend(point.previous, segment, segment);
+        let after = bend(segment, point.next, point.next);
+        let most = before.max(after);
+        if most.is_finite() { most * length * length / 8.0 } else { 0.0 }
+    }
+
     fn to_segment(&self, segment: u32, x: DVec3) -> Near {
         let (a, b) = self.ends(segment);
         let along = b - a;

@@ -19,7 +19,8 @@ use super::leaves::Leaves;
 use super::other::{self, OtherSide};
 use super::preimage::{Extent, PreImage};
 use super::remove::{Cage, Place, Remains, Trouble};
-use super::track::Track;
+use super::settle::Settling;
+use super::track::{Near, Track};
 use super::{Cut, RemeshOptions, Work, crossed, manifold, sides};
 use crate::parallel::for_each;
 
@@ -39,6 +40,8 @@ pub struct RemeshWork {
     least: Vec<u32>,
     /// The tries that were too coarse.
     tried: u32,
+    /// Of these, the ones that were so for slivers alone; and the best that came of them.
+    thin: (u32, Option<Thin>),
     state: State,
 }
 
@@ -51,6 +54,8 @@ enum State {
     Adapted(Box<Leaves>),
     /// The strips are to be relaxed, and all of it put together.
     Laid(Box<Laid>),
+    /// No finer cage can be had: the best of those with slivers is to be taken.
+    Settled(Box<Remeshed>),
 }
 
 /// A cage with strips along the curves.
@@ -63,8 +68,26 @@ struct Laid {
     remains: Remains,
     strips: Vec<Strip>,
     strung: Vec<Strung>,
+    /// The unit normals at the rims' vertices, by strip.
+    normals: Vec<Vec<DVec3>>,
     /// What relaxation does, by strip.
     relaxed: Vec<Relaxed>,
+}
+
+/// Where strips have slivers.
+struct Slivers {
+    /// The worst shape of a triangle of a strip, below zero if it is folded.
+    worst: f64,
+    /// Where there are slivers.
+    places: Vec<Place>,
+}
+
+/// A surface whose strips have slivers.
+#[derive(Debug)]
+struct Thin {
+    /// See [`Slivers::worst`].
+    worst: f64,
+    remeshed: Box<Remeshed>,
 }
 
 /// What a quantum of laying led to.
@@ -87,6 +110,13 @@ pub enum RelaxQuantum {
     Finished(Box<Remeshed>),
 }
 
+/// The shape below which a triangle of a strip is a sliver: half of what the smallest angle allowed
+/// between curves leaves at the tip of a wedge. A finer cage may do better.
+const SLIVER: f64 = 0.02;
+
+/// How often a cage is made finer for slivers alone: each time costs as much as all before it.
+const SLIVER_TRIES: u32 = 5;
+
 /// Knots moved in a quantum, about: each costs a handful of evaluations of its curve.
 const KNOTS: usize = 512;
 
@@ -105,7 +135,19 @@ impl RemeshWork {
         check(&cuts, &preimages)?;
         let corners = CornerTable::new(&surface);
         let (plan, least, state) = (None, Vec::new(), State::Coarse);
-        Ok(Self { surface, corners, cuts, preimages, options, other: None, plan, least, tried: 0, state })
+        Ok(Self {
+            surface,
+            corners,
+            cuts,
+            preimages,
+            options,
+            other: None,
+            plan,
+            least,
+            tried: 0,
+            thin: (0, None),
+            state,
+        })
     }
 
     /// Makes the other side of a set of curves, which are turned already.
@@ -120,6 +162,17 @@ impl RemeshWork {
     /// When the curves do not separate what stays from what goes, nothing stays, or boundaries come too
     /// near to each other.
     pub fn advance(&mut self) -> Result<RemeshQuantum, RemeshError> {
+        let step = self.step();
+        step.or_else(|why| self.fall_back(why).map(|()| RemeshQuantum::Laid))
+    }
+
+    /// Goes back to the best cage with slivers, if there is one, where a finer one is not to be had.
+    fn fall_back(&mut self, why: RemeshError) -> Result<(), RemeshError> {
+        self.state = State::Settled(self.thin.1.take().ok_or(why)?.remeshed);
+        Ok(())
+    }
+
+    fn step(&mut self) -> Result<RemeshQuantum, RemeshError> {
         let Some(plan) = &self.plan else {
             let junctions = &self.options.junctions;
             let plan = arrange::arrange(&self.surface, &self.cuts, &self.preimages, junctions, self.other.as_ref())?;
@@ -145,7 +198,7 @@ impl RemeshWork {
                 }
                 Ok(RemeshQuantum::Laid)
             }
-            laid @ State::Laid(_) => {
+            laid @ (State::Laid(_) | State::Settled(_)) => {
                 self.state = laid;
                 Ok(RemeshQuantum::Laid)
             }
@@ -157,20 +210,41 @@ impl RemeshWork {
     /// # Errors
     /// As [`Self::advance`], and where more would change than the reach allows.
     pub fn relax(&mut self) -> Result<RelaxQuantum, RemeshError> {
+        if let State::Settled(best) = &mut self.state {
+            return Ok(RelaxQuantum::Finished(best.clone()));
+        }
         let (State::Laid(laid), Some(plan)) = (&mut self.state, &self.plan) else { return Ok(RelaxQuantum::Again) };
         if laid.relaxed.iter().any(|relaxed| relaxed.sweeps < self.options.relax.sweeps) {
             laid.sweep(plan, &self.options);
             return Ok(RelaxQuantum::More);
         }
         let finest = laid.leaves.finest();
-        let remeshed = match laid.finish(&self.surface, &self.cuts, plan, &self.options) {
-            Ok(remeshed) => remeshed,
+        let (remeshed, slivers) = match laid.finish(&self.surface, &self.cuts, plan, &self.options) {
+            Ok(done) => done,
             Err(trouble) => {
-                self.make_finer(trouble, finest)?;
+                let finer = self.make_finer(trouble, finest);
+                finer.or_else(|why| self.fall_back(why))?;
                 return Ok(RelaxQuantum::Again);
             }
         };
-        let (distance, at) = self.options.reach.map_or((0.0, DVec3::ZERO), |_| remeshed.reach(&plan.track));
+        let within = |remeshed: &Remeshed| {
+            let reach = self.options.reach.map_or((0.0, DVec3::ZERO), |_| remeshed.reach(&plan.track));
+            (reach, self.options.reach.is_none_or(|most| reach.0 <= most))
+        };
+        let (worst, remeshed) = match self.thin.1.take() {
+            Some(best) if best.worst >= slivers.worst => (best.worst, best.remeshed),
+            _ => (slivers.worst, Box::new(remeshed)),
+        };
+        // The knots of the other side are given, and do not follow a finer cage.
+        let may = self.thin.0 < SLIVER_TRIES && self.tried < self.options.tries && self.other.is_none();
+        if may && !slivers.places.is_empty() && within(&remeshed).1 {
+            self.thin = (self.thin.0 + 1, Some(Thin { worst, remeshed }));
+            let what = "too coarse for triangles of any width";
+            let finer = self.make_finer(Trouble::TooCoarse { what, places: slivers.places }, finest);
+            finer.or_else(|why| self.fall_back(why))?;
+            return Ok(RelaxQuantum::Again);
+        }
+        let ((distance, at), _) = within(&remeshed);
         match self.options.reach {
             Some(reach) if distance > reach => {
                 refine_all(&self.surface, &mut self.options.adapt).ok_or(RemeshError::OutOfReach {
@@ -178,11 +252,11 @@ impl RemeshWork {
                     at,
                     reach,
                 })?;
-                (self.tried, self.state) = (0, State::Coarse);
+                (self.tried, self.thin, self.state) = (0, (0, None), State::Coarse);
                 self.least.fill(0);
                 Ok(RelaxQuantum::Again)
             }
-            _ => Ok(RelaxQuantum::Finished(Box::new(remeshed))),
+            _ => Ok(RelaxQuantum::Finished(remeshed)),
         }
     }
 
@@ -202,7 +276,14 @@ impl RemeshWork {
             return Err(RemeshError::Unresolved { what, curve, u, at, tries: self.tried, level: finest });
         }
         self.tried += 1;
-        places.iter().for_each(|place| ask_for_finer(track, place, &mut self.least));
+        let before = self.least.clone();
+        places.iter().for_each(|place| ask_for_finer(track, place, place.level + 1, &mut self.least));
+        if self.least == before {
+            // What was asked for before has come, and has gone with what was cut: the next try would be
+            // this one over again.
+            let asked = |place: &Place| before[place.near.segment as usize] + 1;
+            places.iter().for_each(|place| ask_for_finer(track, place, asked(place), &mut self.least));
+        }
         Ok(())
     }
 }
@@ -234,11 +315,10 @@ fn refine_all(surface: &LoopSurface, options: &mut AdaptOptions) -> Option<()> {
 /// of its triangles there: as far as the triangles around its neighbours reach.
 const ASIDE: f64 = 3.0;
 
-/// Asks for one level more along the curve near `place`.
-fn ask_for_finer(track: &Track, place: &Place, least: &mut [u32]) {
+/// Asks for level `wanted` along the curve near `place`.
+fn ask_for_finer(track: &Track, place: &Place, wanted: u32, least: &mut [u32]) {
     let cut = track.points[place.near.segment as usize].cut;
     let whole = track.tracks[cut as usize];
-    let wanted = place.level + 1;
     let mut raise = |segment: u32| least[segment as usize] = least[segment as usize].max(wanted);
     let from = track.along(place.near);
     for (sign, reach) in [(1.0, ASIDE * place.size), (-1.0, ASIDE * place.size)] {
@@ -298,7 +378,8 @@ fn lay(
     }
     let strung = strips.iter().map(|strip| string(strip, &limit, options)).collect();
     let relaxed = vec![Relaxed::default(); strips.len()];
-    let mut laid = Laid { leaves, adapted, limit, remains, strips, strung, relaxed };
+    let normals = strips.iter().map(|strip| strip.rim.iter().map(|&v| cage.normal(v)).collect()).collect();
+    let mut laid = Laid { leaves, adapted, limit, remains, strips, strung, normals, relaxed };
     laid.judge(plan, 0);
     Ok(laid)
 }
@@ -351,7 +432,8 @@ impl Laid {
         cuts: &[Cut],
         plan: &Arrangement,
         options: &RemeshOptions,
-    ) -> Result<Remeshed, Trouble> {
+    ) -> Result<(Remeshed, Slivers), Trouble> {
+        let thin = self.settle(plan);
         self.judge(plan, 1);
         for (strip, strung) in self.strips.iter_mut().zip(&self.strung) {
             strip.knots.iter_mut().zip(strung.knots()).for_each(|(knot, slider)| knot.t = slider.t);
@@ -369,7 +451,38 @@ impl Laid {
         };
         work.parameters =
             (0..self.strips.len() as u32).map(|s| sides::strip_parameters(&work, s)).collect::<Result<_, _>>()?;
-        assemble(&work, self.relaxed.clone())
+        Ok((assemble(&work, self.relaxed.clone())?, thin))
+    }
+
+    /// Moves the knots of thin triangles. Returns the places at which there are slivers all the same.
+    fn settle(&mut self, plan: &Arrangement) -> Slivers {
+        let mut slivers = Slivers { worst: f64::INFINITY, places: Vec::new() };
+        for (s, Contour { curve, heading, .. }) in plan.contours.iter().enumerate() {
+            let strip = &self.strips[s];
+            let rim = strip.rim.iter().zip(&self.normals[s]).map(|(&v, &n)| (self.limit[v as usize], n)).collect();
+            let settling = Settling { strip, rim, curve: &**curve, heading: *heading };
+            settling.settle(self.strung[s].knots_mut());
+            let knots = self.strung[s].knots();
+            for (i, shape) in settling.shapes(knots).into_iter().enumerate() {
+                slivers.worst = slivers.worst.min(shape);
+                if shape < SLIVER {
+                    let near = plan.track.place_of_parameter(strip.cut, knots[i].t);
+                    slivers.places.push(self.place(s, i, near));
+                }
+            }
+        }
+        slivers
+    }
+
+    /// A place of the curve at knot `k` of strip `s`, with the cage there.
+    fn place(&self, s: usize, k: usize, near: Near) -> Place {
+        let strip = &self.strips[s];
+        let own = &strip.knots[k];
+        let seen = (own.first..=own.first + own.span).map(|j| strip.rim[j as usize % strip.rim.len()]);
+        let seen: Vec<u32> = seen.collect();
+        let level = seen.iter().map(|&v| self.adapted.vertices[v as usize].level).max().unwrap_or(0);
+        let far = seen.iter().map(|&v| self.limit[v as usize].distance(self.limit[seen[0] as usize]));
+        Place { near, level, size: far.fold(0.0, f64::max) }
     }
 }
 
