@@ -4,6 +4,7 @@
 //! edges that meet at a vertex.
 
 use core::f64::consts::PI;
+use std::sync::LazyLock;
 
 /// `alpha(k) = 5 - (3 + 2 cos(2 pi / k))^2 / 8`: one subdivision step keeps `1 - alpha / 8` of a
 /// vertex of valence `k`. [Litke et al. 2001, Fig. 2]
@@ -12,17 +13,29 @@ pub fn alpha(k: u32) -> f64 {
     5.0 - c * c / 8.0
 }
 
+/// The weights of valences that occur, computed once: rules ask for them at every vertex.
+static WEIGHTS: LazyLock<[[f64; 2]; 32]> = LazyLock::new(|| core::array::from_fn(|k| weights(k as u32)));
+
+/// `alpha / (8 k)` and `alpha / (k (3 + alpha))`.
+fn weights(k: u32) -> [f64; 2] {
+    let a = alpha(k);
+    [a / (8.0 * f64::from(k)), a / (f64::from(k) * (3.0 + a))]
+}
+
+fn weight(k: u32, which: usize) -> f64 {
+    WEIGHTS.get(k as usize).map_or_else(|| weights(k)[which], |both| both[which])
+}
+
 /// Weight of each of the `k` neighbours of an interior vertex under one Loop step; the vertex
 /// itself keeps `1 - k * weight`. `alpha / (8 k)`: 1/16 for `k = 6`.
 pub fn neighbour_weight(k: u32) -> f64 {
-    alpha(k) / (8.0 * f64::from(k))
+    weight(k, 0)
 }
 
 /// Weight of each of the `k` neighbours in the limit position of an interior vertex; the vertex
 /// itself weighs `1 - k * weight`. `alpha / (k (3 + alpha))`: 1/12 for `k = 6`.
 pub fn limit_weight(k: u32) -> f64 {
-    let a = alpha(k);
-    a / (f64::from(k) * (3.0 + a))
+    weight(k, 1)
 }
 
 /// Subdominant eigenvalue at an interior vertex of valence `k`: how much a ring shrinks per step.

@@ -52,6 +52,14 @@ impl Rows {
         self.starts.push(self.columns.len() as u32);
     }
 
+    /// Adds all rows of `other`.
+    pub fn append(&mut self, other: &Self) {
+        let before = self.columns.len() as u32;
+        self.starts.extend(other.starts[1..].iter().map(|start| before + start));
+        self.columns.extend_from_slice(&other.columns);
+        self.weights.extend_from_slice(&other.weights);
+    }
+
     /// The entries of row `r`: columns and weights.
     #[inline]
     pub fn row(&self, r: usize) -> (&[u32], &[f64]) {
@@ -83,23 +91,40 @@ pub struct Step {
 impl Step {
     /// The rules that lead from `coarse` to `fine`, which is a refinement of it.
     pub fn new(surface: &LoopSurface, corners: &CornerTable, coarse: &LevelMesh, fine: &LevelMesh) -> Self {
-        let mut step = Self { rows: Rows::new(), offsets: Vec::new(), flat: Vec::new() };
-        let weights = ValenceWeights::new(coarse);
-        for (name, vertex) in fine.vertices.iter().enumerate() {
-            match vertex.origin {
+        Self::of(surface, corners, coarse, fine, 0..fine.vertices.len() as u32)
+    }
+
+    /// The rules that make the vertices of `range` of `fine` alone: a part of those of [`Self::new`].
+    pub fn of(
+        surface: &LoopSurface,
+        corners: &CornerTable,
+        coarse: &LevelMesh,
+        fine: &LevelMesh,
+        range: Range<u32>,
+    ) -> Self {
+        let mut step = Self::default();
+        for name in range {
+            match fine.vertices[name as usize].origin {
                 Origin::Root => {}
-                Origin::Vertex(v) => step.push_vertex(coarse, v, &weights),
-                Origin::Edge(h) => step.push_edge(surface, corners, coarse, h, name as u32),
+                Origin::Vertex(v) => step.push_vertex(coarse, v),
+                Origin::Edge(h) => step.push_edge(surface, corners, coarse, h, name),
             }
         }
         step
     }
 
-    fn push_vertex(&mut self, mesh: &LevelMesh, v: u32, weights: &ValenceWeights) {
+    /// Adds the rules of the vertices that come after all that it has.
+    pub fn append(&mut self, next: Self) {
+        self.rows.append(&next.rows);
+        self.offsets.extend(next.offsets);
+        self.flat.extend(next.flat);
+    }
+
+    fn push_vertex(&mut self, mesh: &LevelMesh, v: u32) {
         let vertex = mesh.vertices[v as usize];
         match vertex.kind {
             Kind::Interior => {
-                let beta = weights.neighbour[vertex.valence as usize];
+                let beta = masks::neighbour_weight(vertex.valence);
                 let own = 1.0 - f64::from(vertex.valence) * beta;
                 self.rows.push([(v, own)].into_iter().chain(mesh.ring(v).map(|h| (mesh.to(h), beta))));
             }
@@ -143,19 +168,15 @@ impl Step {
     }
 
     /// The next level's state from this one's; details stored for the next level are not added
-    /// yet. `edit` may change a boundary detail before it is read: it gets the entry in
-    /// [`LevelMesh::given`] and the decayed detail.
+    /// yet. `effective` is what the rows make of this level's effective points.
     pub fn apply(
         &self,
         corners: &CornerTable,
         [coarse, fine]: [&LevelMesh; 2],
         state: &LevelState,
-        edit: impl Fn(usize, DVec3) -> DVec3,
+        effective: Vec<DVec3>,
     ) -> LevelState {
-        let mut next = LevelState {
-            effective: (0..self.rows.len()).map(|r| self.rows.dot(r, &state.effective)).collect(),
-            details: Vec::with_capacity(fine.given.len()),
-        };
+        let mut next = LevelState { effective, details: Vec::with_capacity(fine.given.len()) };
         for &(v, offset) in &self.offsets {
             next.effective[v as usize] += offset;
         }
@@ -164,11 +185,9 @@ impl Step {
             let point = &mut next.effective[v as usize];
             *point = flatten(*point, coarse.sample(at), pull);
         }
-        for (g, given) in fine.given.iter().enumerate() {
+        for given in &fine.given {
             let (columns, weights) = self.rows.row(given.vertex as usize);
-            let decayed =
-                columns.iter().zip(weights).fold(DVec3::ZERO, |sum, (&c, &w)| sum + w * state.detail(coarse, c));
-            let d = edit(g, decayed);
+            let d = columns.iter().zip(weights).fold(DVec3::ZERO, |sum, (&c, &w)| sum + w * state.detail(coarse, c));
             next.details.push(d);
             next.effective[given.vertex as usize] = given.sample - d;
         }
@@ -226,22 +245,18 @@ impl LimitRows {
     /// the corner then has another rule than the mask assumes. One step later it no longer does, so
     /// there the row is the mask of the next level after the rules that lead to it.
     pub fn new(surface: &LoopSurface, corners: &CornerTable, mesh: &LevelMesh, wanted: impl Fn(u32) -> bool) -> Self {
-        let mut limit = Self::default();
-        limit.extend(surface, corners, mesh, 0..mesh.vertices.len() as u32, wanted);
-        limit
+        Self::of(surface, corners, mesh, 0..mesh.vertices.len() as u32, wanted)
     }
 
-    /// Adds the masks of the vertices of `range` that `wanted` selects, which come after all that it has.
-    pub fn extend(
-        &mut self,
+    /// The masks of the vertices of `range` that `wanted` selects: a part of those of [`Self::new`].
+    pub fn of(
         surface: &LoopSurface,
         corners: &CornerTable,
         mesh: &LevelMesh,
         range: Range<u32>,
         wanted: impl Fn(u32) -> bool,
-    ) {
-        let limit = self;
-        let weights = ValenceWeights::new(mesh);
+    ) -> Self {
+        let mut limit = Self::default();
         for v in range {
             let vertex = mesh.vertices[v as usize];
             if vertex.ring == RingState::Cut || matches!(vertex.kind, Kind::Given(_)) || !wanted(v) {
@@ -250,10 +265,10 @@ impl LimitRows {
             limit.vertices.push(v);
             match vertex.kind {
                 Kind::Interior if mesh.ring(v).any(|h| mesh.vertices[mesh.to(h) as usize].corner != NONE) => {
-                    limit.push_beside_corner(surface, corners, mesh, v, &weights);
+                    limit.push_beside_corner(surface, corners, mesh, v);
                 }
                 Kind::Interior => {
-                    let omega = weights.limit[vertex.valence as usize];
+                    let omega = masks::limit_weight(vertex.valence);
                     let own = 1.0 - f64::from(vertex.valence) * omega;
                     limit.rows.push([(v, own)].into_iter().chain(mesh.ring(v).map(|h| (mesh.to(h), omega))));
                 }
@@ -264,20 +279,23 @@ impl LimitRows {
                 Kind::PlainCorner | Kind::Given(_) => limit.rows.push([(v, 1.0)]),
             }
         }
+        limit
     }
 
-    fn push_beside_corner(
-        &mut self,
-        surface: &LoopSurface,
-        corners: &CornerTable,
-        mesh: &LevelMesh,
-        v: u32,
-        weights: &ValenceWeights,
-    ) {
+    /// Adds the masks of vertices that come after all that it has.
+    pub fn append(&mut self, next: Self) {
+        let before = self.rows.len() as u32;
+        self.vertices.extend(next.vertices);
+        self.rows.append(&next.rows);
+        self.offsets.extend(next.offsets.into_iter().map(|(row, offset)| (before + row, offset)));
+        self.flat.extend(next.flat.into_iter().map(|term| FlatTerm { row: before + term.row, ..term }));
+    }
+
+    fn push_beside_corner(&mut self, surface: &LoopSurface, corners: &CornerTable, mesh: &LevelMesh, v: u32) {
         let valence = mesh.vertices[v as usize].valence;
-        let omega = weights.limit[valence as usize];
-        let mut finer = Step { rows: Rows::new(), offsets: Vec::new(), flat: Vec::new() };
-        finer.push_vertex(mesh, v, weights);
+        let omega = masks::limit_weight(valence);
+        let mut finer = Step::default();
+        finer.push_vertex(mesh, v);
         for (i, h) in mesh.ring(v).enumerate() {
             finer.push_edge(surface, corners, mesh, h, i as u32 + 1);
         }
@@ -325,20 +343,6 @@ impl LimitRows {
             limit[term.row as usize - begin] += term.weight * (flatten(x, term.tip, term.pull) - x);
         }
         limit
-    }
-}
-
-/// `alpha / (8 k)` and `alpha / (k (3 + alpha))` by valence, computed once.
-struct ValenceWeights {
-    neighbour: Vec<f64>,
-    limit: Vec<f64>,
-}
-
-impl ValenceWeights {
-    fn new(mesh: &LevelMesh) -> Self {
-        let most = mesh.vertices.iter().map(|v| v.valence).max().unwrap_or(0);
-        let table = |weight: fn(u32) -> f64| (0..=most).map(|k| if k < 3 { 0.0 } else { weight(k) }).collect();
-        Self { neighbour: table(masks::neighbour_weight), limit: table(masks::limit_weight) }
     }
 }
 

@@ -5,7 +5,8 @@ use selvedge_components::subdivision::{
     CornerTable, Details, FaceCode, Kind, LevelMesh, LevelState, LoopSurface, Step,
 };
 
-use super::region;
+use super::{region, rules};
+use crate::parallel::map_in_order;
 
 /// One level: its mesh and its state, details of that level included.
 #[derive(Clone, Debug, Default)]
@@ -36,7 +37,7 @@ pub fn refine(
     faces: &[u32],
 ) -> (Level, Step) {
     let mesh = coarse.mesh.refine(surface, faces);
-    let step = Step::new(surface, corners, &coarse.mesh, &mesh);
+    let step = rules::step(surface, corners, &coarse.mesh, &mesh);
     let state = advance(surface, corners, details, &step, coarse, &mesh);
     (Level { mesh, state }, step)
 }
@@ -50,7 +51,8 @@ pub fn advance(
     coarse: &Level,
     mesh: &LevelMesh,
 ) -> LevelState {
-    let mut state = step.apply(corners, [&coarse.mesh, mesh], &coarse.state, |_, d| d);
+    let effective = map_in_order(step.rows.len(), |r| step.rows.dot(r, &coarse.state.effective));
+    let mut state = step.apply(corners, [&coarse.mesh, mesh], &coarse.state, effective);
     add_details(surface, details, mesh, &mut state);
     state
 }

@@ -15,6 +15,7 @@ pub mod refine;
 pub mod region;
 pub mod relax;
 pub mod remesh;
+mod rules;
 mod system;
 pub mod tessellate;
 pub mod trim;

@@ -13,7 +13,7 @@ use super::chain::{self, Level, Way};
 use super::fit::{Region, zone};
 use super::modify::Solve;
 use super::natural::Natural;
-use super::region;
+use super::{region, rules};
 
 /// The level in work.
 #[derive(Debug, Default)]
@@ -144,7 +144,7 @@ impl Opening {
                 Part::FinestStep
             }
             Part::FinestStep => {
-                steps[1] = Step::new(surface, corners, &finer.mesh, &finest.mesh);
+                steps[1] = rules::step(surface, corners, &finer.mesh, &finest.mesh);
                 Part::FinestState
             }
             Part::FinestState => {
@@ -154,16 +154,17 @@ impl Opening {
             Part::FitRows => {
                 let fitted = open.influenced_vertices(1);
                 let mesh = &open.levels[1].mesh;
-                open.fit_rows = LimitRows::new(surface, corners, mesh, |v| {
-                    fitted[v as usize] && mesh.vertices[v as usize].kind == Kind::Interior
-                });
+                let is_fitted = |v: u32| fitted[v as usize] && mesh.vertices[v as usize].kind == Kind::Interior;
+                let all = 0..mesh.vertices.len() as u32;
+                open.fit_rows = rules::limit_rows(surface, corners, mesh, all, is_fitted);
                 self.measured = open.influenced_vertices(2);
                 Part::TestRows(0)
             }
             Part::TestRows(begin) => {
                 let end = self.measured.len().min(begin + VERTICES);
                 let wanted = |v: u32| self.measured[v as usize];
-                open.test_rows.extend(surface, corners, &finest.mesh, begin as u32..end as u32, wanted);
+                let range = begin as u32..end as u32;
+                open.test_rows.append(rules::limit_rows(surface, corners, &finest.mesh, range, wanted));
                 if end < self.measured.len() { Part::TestRows(end) } else { Part::Movable }
             }
             Part::Movable => {

@@ -3,10 +3,15 @@
 use selvedge_components::mesh::{Connectivity, HalfedgeId};
 use selvedge_components::subdivision::{Address, FaceCode};
 
+use crate::parallel::map_dear_in_order;
+
 /// All faces of `level`.
 pub fn whole(mesh: &Connectivity, level: u32) -> Vec<FaceCode> {
     (0..(mesh.face_count() as u64) << (2 * level)).map(FaceCode).collect()
 }
+
+/// Faces whose neighbours are looked for by one thread at a time.
+const FACES_AT_ONCE: usize = 256;
 
 /// `N(T)` of [Litke et al. 2001, Section 3.3]: all faces that share a vertex with one of `faces`.
 pub fn neighbourhood(mesh: &Connectivity, level: u32, faces: &[FaceCode]) -> Vec<FaceCode> {
@@ -17,38 +22,74 @@ pub fn neighbourhood(mesh: &Connectivity, level: u32, faces: &[FaceCode]) -> Vec
     // A face has twelve around it. Marking them is cheaper than sorting them as long as the marks of
     // all faces of the level fit into about as many words.
     if all <= 1024 * faces.len() as u64 {
-        let mut marks = vec![0_u64; all.div_ceil(64) as usize];
-        around(mesh, level, faces, |f| marks[(f.0 / 64) as usize] |= 1 << (f.0 % 64));
-        return marked(&marks);
+        let mut marks = Marks::new(all);
+        faces.iter().for_each(|&f| marks.set(f));
+        let found = map_dear_in_order(faces.len().div_ceil(FACES_AT_ONCE), |i| {
+            let begin = i * FACES_AT_ONCE;
+            let mut beyond = Vec::new();
+            let chunk = &faces[begin..faces.len().min(begin + FACES_AT_ONCE)];
+            around(mesh, level, chunk, |f| marks.has(f), |f| beyond.push(f));
+            beyond
+        });
+        found.into_iter().flatten().for_each(|f| marks.set(f));
+        return marks.ascending();
     }
-    let mut grown = Vec::with_capacity(13 * faces.len());
-    around(mesh, level, faces, |f| grown.push(f));
+    let mut grown = faces.to_vec();
+    around(mesh, level, faces, |_| false, |f| grown.push(f));
     ascending(grown)
 }
 
-/// Calls `see` with every one of `faces` and every face that shares a vertex with it, some of them
-/// more than once.
-fn around(mesh: &Connectivity, level: u32, faces: &[FaceCode], mut see: impl FnMut(FaceCode)) {
+/// Calls `see` with every face that shares a vertex with one of `faces`, some of them more than once;
+/// some that are `known` may be left out.
+///
+/// Where some of the faces around a vertex are known and others are not, two that share an edge differ:
+/// a corner of which both edges lead to known faces need not be gone round from this face.
+fn around(
+    mesh: &Connectivity,
+    level: u32,
+    faces: &[FaceCode],
+    known: impl Fn(FaceCode) -> bool,
+    mut see: impl FnMut(FaceCode),
+) {
     for &face in faces {
-        see(face);
+        let leads_on = [0, 1, 2].map(|edge| face.across(mesh, level, edge).is_some_and(|(f, _)| !known(f)));
         for corner in 0..3 {
-            around_corner(mesh, level, face, corner, &mut see);
+            if leads_on[corner] || leads_on[(corner + 2) % 3] {
+                around_corner(mesh, level, face, corner, &mut see);
+            }
         }
     }
 }
 
-/// The faces whose bits are set, ascending.
-fn marked(marks: &[u64]) -> Vec<FaceCode> {
-    let count = marks.iter().map(|word| word.count_ones() as usize).sum();
-    let mut faces = Vec::with_capacity(count);
-    for (base, &word) in (0_u64..).step_by(64).zip(marks) {
-        let mut left = word;
-        while left != 0 {
-            faces.push(FaceCode(base + u64::from(left.trailing_zeros())));
-            left &= left - 1;
-        }
+/// A bit for every face of a level.
+struct Marks(Vec<u64>);
+
+impl Marks {
+    fn new(faces: u64) -> Self {
+        Self(vec![0; faces.div_ceil(64) as usize])
     }
-    faces
+
+    fn set(&mut self, face: FaceCode) {
+        self.0[(face.0 / 64) as usize] |= 1 << (face.0 % 64);
+    }
+
+    fn has(&self, face: FaceCode) -> bool {
+        self.0[(face.0 / 64) as usize] >> (face.0 % 64) & 1 == 1
+    }
+
+    /// The faces that are marked.
+    fn ascending(&self) -> Vec<FaceCode> {
+        let count = self.0.iter().map(|word| word.count_ones() as usize).sum();
+        let mut faces = Vec::with_capacity(count);
+        for (base, &word) in (0_u64..).step_by(64).zip(&self.0) {
+            let mut left = word;
+            while left != 0 {
+                faces.push(FaceCode(base + u64::from(left.trailing_zeros())));
+                left &= left - 1;
+            }
+        }
+        faces
+    }
 }
 
 /// The parents of `faces`.
@@ -146,19 +187,23 @@ mod tests {
 
     use super::*;
 
-    /// However the faces around some are found, they are the same ones.
+    /// However the faces around some are found, they are the same ones: around a whole, around a border,
+    /// around vertices that few faces meet at.
     #[test]
     fn marks_and_sorting_find_the_same_neighbourhood() {
-        // An octahedron.
-        let faces = [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
-        let mesh = Connectivity::new(6, &faces).expect("an octahedron");
-        for level in 1..7 {
-            let all = 8_u64 << (2 * level);
-            let some: Vec<FaceCode> = (0..all).step_by(97).map(FaceCode).collect();
-            let mut by_sorting = Vec::new();
-            around(&mesh, level, &some, |f| by_sorting.push(f));
-            assert_eq!(neighbourhood(&mesh, level, &some), ascending(by_sorting));
-            assert!(neighbourhood(&mesh, level, &some[..1]).len() <= 13);
+        let octahedron = [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
+        for faces in [&octahedron[..], &octahedron[..6]] {
+            let mesh = Connectivity::new(6, faces).expect("an octahedron, or a part of it");
+            for level in 1..7 {
+                let all = (faces.len() as u64) << (2 * level);
+                let every = |step: u64, run: u64| (0..all).filter(|f| f % step < run).map(FaceCode).collect::<Vec<_>>();
+                for some in [every(97, 1), every(97, 20), every(31, 30), every(all, 1 + all / 2)] {
+                    let mut by_sorting = some.clone();
+                    some.iter().for_each(|&f| (0..3).for_each(|c| fan(&mesh, level, f, c, &mut by_sorting)));
+                    assert_eq!(neighbourhood(&mesh, level, &some), ascending(by_sorting), "{} at {level}", some.len());
+                }
+                assert!(neighbourhood(&mesh, level, &every(97, 1)[..1]).len() <= 13);
+            }
         }
     }
 

@@ -8,7 +8,7 @@ use selvedge_components::subdivision::{CornerTable, FaceCode, LevelMesh, LoopSur
 use super::plan::Plan;
 use super::{KeptLevel, LimitError, LimitSurface};
 use crate::subdivision::chain::{self, Level};
-use crate::subdivision::region;
+use crate::subdivision::{region, rules};
 
 /// A [`LimitSurface`] that is being prepared.
 #[derive(Debug)]
@@ -96,7 +96,7 @@ impl LimitBuild {
                 Finer::Mesh(level.mesh.refine(surface, &local))
             }
             Finer::Mesh(mesh) => {
-                let step = Step::new(surface, corners, &level.mesh, &mesh);
+                let step = rules::step(surface, corners, &level.mesh, &mesh);
                 Finer::Step(mesh, step)
             }
             Finer::Step(mesh, step) => {

@@ -75,13 +75,12 @@ impl Plan {
 
     /// Whose children are kept of level `l`, where that is known of finer levels.
     fn refined_of(&self, mesh: &Connectivity, l: usize) -> Vec<FaceCode> {
-        let grow = |faces: &[FaceCode]| region::neighbourhood(mesh, l as u32 + 1, faces);
-        let mut needed = grow(&region::children(&self.split[l]));
+        let mut needed = region::children(&self.split[l]);
         if let Some(finer) = self.refined.get(l + 1) {
-            needed.extend(grow(finer));
+            needed.extend(finer);
             needed = region::ascending(needed);
         }
-        region::parents(&needed)
+        region::parents(&region::neighbourhood(mesh, l as u32 + 1, &needed))
     }
 }
 
