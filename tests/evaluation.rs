@@ -12,7 +12,8 @@ use selvedge_components::curve::Heading;
 use selvedge_components::evaluate::{Evaluate, SurfacePoint};
 use selvedge_components::mesh::{Connectivity, FaceId, VertexId};
 use selvedge_components::subdivision::{
-    Address, CornerRule, CornerTable, Details, Kind, LimitRows, LoopSurface, NONE, Scheme, limit_frame,
+    Address, CornerRule, CornerTable, Details, Kind, LimitRows, LoopSurface, NONE, Patch, PatchLattice, Scheme,
+    limit_frame,
 };
 use selvedge_systems::subdivision::chain;
 use selvedge_systems::subdivision::limit::LimitSurface;
@@ -125,6 +126,36 @@ fn positions_agree_with_subdividing_everything() {
                 for (at, expected) in by_force(&surface, 5) {
                     let off = limit.position(at).distance(expected);
                     assert!(off < 1e-12, "{name}, {details} levels of details, {rule:?}, at {at:?}: off by {off:e}");
+                }
+            }
+        }
+    }
+}
+
+/// A patch tells the same of a lattice at once as of its points one by one: beside every kind of border,
+/// corner and irregular vertex.
+#[test]
+fn a_lattice_of_a_patch_is_its_points() {
+    for (name, mut surface) in surfaces() {
+        add_details(&mut surface, 1, 0.05, 11);
+        for rule in [CornerRule::Lattice, CornerRule::Seed] {
+            surface.corner_rule = rule;
+            let corners = CornerTable::new(&surface);
+            let scheme = Scheme { surface: &surface, corners: &corners };
+            let root = chain::root(&surface, &corners, &surface.details);
+            let (finer, _) = chain::refine(&surface, &corners, &surface.details, &root, &root.mesh.all_refinable());
+            for level in [root, finer] {
+                for face in level.mesh.all_refinable() {
+                    let patch = Patch::of(scheme, &level.mesh, &level.state, face);
+                    for depth in [0, 1, 3] {
+                        let (lattice, n) = (PatchLattice::new(&patch, depth), 1 << depth);
+                        assert_eq!(lattice.steps(), n);
+                        for (i, j) in (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j))) {
+                            let weights = [n - i - j, i, j].map(|w| w as f64 / n as f64);
+                            let off = lattice.point(i, j).distance(patch.clone().position(weights));
+                            assert!(off < 1e-14, "{name}, {rule:?}, face {face}, {weights:?}: off by {off:e}");
+                        }
+                    }
                 }
             }
         }

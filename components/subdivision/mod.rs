@@ -26,7 +26,7 @@ pub use lattice::{Lattice, TooFine};
 pub use level::{
     GivenVertex, Kind, LevelMesh, LevelVertex, NONE, Origin, RingState, SideEnd, previous, sample as border_sample,
 };
-pub use local::{Descent, LimitFrame, Patch, Ring, Scheme, Tangents, limit_frame};
+pub use local::{Descent, LimitFrame, Patch, PatchLattice, Ring, Scheme, Tangents, limit_frame};
 pub use plain::{PlainError, PlainLoop, PlainTopology, VertexRule};
 pub use stencil::{LevelState, LimitRows, Rows, Step};
 pub use surface::{Border, CornerRule, Details, Ends, Heading, LoopSurface, Side, plain_sides};

@@ -8,11 +8,13 @@
 //! border curve itself.
 
 mod descent;
+mod lattice;
 mod patch;
 mod ring;
 mod tangents;
 
 pub use descent::Descent;
+pub use lattice::PatchLattice;
 pub use patch::Patch;
 pub use ring::Ring;
 pub use tangents::Tangents;

@@ -15,10 +15,10 @@ use crate::subdivision::stencil::LevelState;
 /// on it when no finer details are to come.
 #[derive(Clone, Debug)]
 pub struct Patch<'a> {
-    scheme: Scheme<'a>,
-    rings: [Ring; 3],
+    pub(super) scheme: Scheme<'a>,
+    pub(super) rings: [Ring; 3],
     /// The index, in each corner's ring, of the face's next corner; the one after follows it.
-    at: [usize; 3],
+    pub(super) at: [usize; 3],
 }
 
 /// The level at which a face at a given border takes the border's own tangents.
@@ -185,7 +185,7 @@ impl<'a> Patch<'a> {
     }
 
     /// Does a border run along the edge from corner `c` to the next?
-    fn is_border_edge(&self, c: usize) -> bool {
+    pub(super) fn is_border_edge(&self, c: usize) -> bool {
         self.at[c] == 0 && self.rings[c].border().is_some()
     }
 
