@@ -12,13 +12,12 @@ use super::measure::{Plane, squared_to_segment};
 use crate::foot;
 use crate::subdivision::limit::{Nest, Spot};
 
-/// Where a leaf is sampled.
+/// Where a leaf is sampled: at whole multiples of 1/16, which a face makes many of at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grid {
     /// To decide: the fifteen points that divide its edges by four.
     Quarters,
-    /// To check: the 55 points that divide its edges by nine, the centre among them; of the fifteen,
-    /// only the corners.
+    /// To check: 55 points, those next to the ones that divide its edges by nine; few of the fifteen.
     Ninths,
 }
 
@@ -31,7 +30,8 @@ impl Grid {
         };
         let all = (0..=n).flat_map(|i| (0..=n - i).map(move |j| [n - i - j, i, j]));
         let inner = all.filter(|steps| !steps.contains(&n));
-        inner.map(|steps| steps.map(|i| f64::from(i) / f64::from(n))).collect()
+        let sixteenths = |part: u32| (16.0 * f64::from(part) / f64::from(n)).round() / 16.0;
+        inner.map(|[_, i, j]| [i, j].map(sixteenths)).map(|[s, t]| [1.0 - s - t, s, t]).collect()
     }
 }
 
@@ -84,21 +84,9 @@ pub type Piece = [(DVec3, [f64; 3]); 3];
 /// The triangles of a leaf.
 pub type Pieces = SmallVec<[Piece; 4]>;
 
-/// Where a triangle is asked how far the surface is: its centre, and halfway from there to its corners
-/// and to the middles of its edges.
-const INSIDE: [[f64; 3]; 7] = {
-    let (far, near) = (2.0 / 3.0, 1.0 / 6.0);
-    let edge = 5.0 / 12.0;
-    [
-        [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
-        [far, near, near],
-        [near, far, near],
-        [near, near, far],
-        [edge, edge, near],
-        [near, edge, edge],
-        [edge, near, edge],
-    ]
-};
+/// Where a triangle is asked how far the surface is, in eighths: about its centre, and halfway from there to
+/// its corners and to the middles of its edges. On a leaf that is cut they are sixteenths.
+const INSIDE: [[u32; 3]; 7] = [[3, 3, 2], [6, 1, 1], [1, 6, 1], [1, 1, 6], [4, 3, 1], [1, 4, 3], [3, 1, 4]];
 
 /// How often the place over a point is looked for by how far the surface slides. Each step leaves of the
 /// distance what the slide changes over it, a tenth or less on faces that nearly keep a chord.
@@ -163,7 +151,7 @@ impl<'n, 'a> Sampled<'n, 'a> {
         let plane = Plane::new(self.corners);
         for piece in pieces {
             let on_leaf = |b: [f64; 3]| core::array::from_fn(|w| (0..3).map(|c| piece[c].1[w] * b[c]).sum());
-            for b in INSIDE {
+            for b in INSIDE.map(|eighths| eighths.map(|part| f64::from(part) / 8.0)) {
                 let y = (0..3).fold(DVec3::ZERO, |sum, c| sum + piece[c].0 * b[c]);
                 let mut distance = self.distance_over(plane.as_ref(), on_leaf(b), y, enough);
                 if distance > limit {

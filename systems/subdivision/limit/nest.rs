@@ -3,7 +3,7 @@
 use glam::DVec3;
 use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::boxspline::Quartic;
-use selvedge_components::subdivision::{Descent, FaceCode, Patch};
+use selvedge_components::subdivision::{Descent, FaceCode, Patch, PatchLattice};
 use smallvec::SmallVec;
 
 use super::{Kept, LimitSurface, Piece};
@@ -29,7 +29,8 @@ struct Node<'a> {
 enum Body<'a> {
     Kept([Kept; 4]),
     Quartic(Box<Quartic>),
-    Patch(Box<Patch<'a>>),
+    /// With the lattice that has been asked for so far, if any.
+    Patch(Box<Patch<'a>>, Option<Box<PatchLattice>>),
     /// A root face that is not there.
     Nothing,
 }
@@ -79,7 +80,7 @@ impl<'a> Nest<'a> {
         let mut children = SmallVec::<[Body<'a>; 4]>::new();
         match &self.nodes[node as usize].body {
             Body::Kept(kept) => children.extend(kept.map(|kept| body_of(self.limit.piece(kept)))),
-            Body::Patch(patch) => patch.quarters(|quarter| children.push(body_of_patch(quarter))),
+            Body::Patch(patch, _) => patch.quarters(|quarter| children.push(body_of_patch(quarter))),
             Body::Quartic(_) | Body::Nothing => children.extend([const { Body::Nothing }; 4]),
         }
         self.nodes.extend(children.into_iter().map(|body| Node { body, children: None }));
@@ -96,15 +97,20 @@ impl<'a> Nest<'a> {
     }
 
     /// The limit position where the corners of a face weigh `weights`.
+    ///
+    /// Where the weights are sixteenths, a face that is not polynomial makes all such points at once.
     pub fn position(&mut self, mut spot: Spot, weights: [f64; 3]) -> DVec3 {
         let mut way = Descent::from(weights);
         let deepest = spot.level + KEPT_DEPTH;
         loop {
-            match &self.nodes[spot.node as usize].body {
+            match &mut self.nodes[spot.node as usize].body {
                 Body::Quartic(quartic) => return quartic.position(way.weights[1], way.weights[2]),
                 Body::Nothing => return DVec3::NAN,
                 Body::Kept(_) => {}
-                Body::Patch(patch) => {
+                Body::Patch(patch, lattice) => {
+                    if let Some(place) = LatticePlace::of(way.weights) {
+                        return place.point(patch, lattice);
+                    }
                     if let Some(position) = patch.position_at_once(way.weights) {
                         return position;
                     }
@@ -115,6 +121,32 @@ impl<'a> Nest<'a> {
             }
             spot = self.child(spot, way.enter());
         }
+    }
+}
+
+/// A place of a lattice that is worth making for more than one point.
+struct LatticePlace {
+    depth: u32,
+    i: usize,
+    j: usize,
+}
+
+impl LatticePlace {
+    /// The place with these weights, if they are quarters or sixteenths.
+    fn of([_, s, t]: [f64; 3]) -> Option<Self> {
+        [2, 4].into_iter().find_map(|depth| {
+            let [i, j] = [s, t].map(|weight| weight * f64::from(1 << depth));
+            (i.fract() == 0.0 && j.fract() == 0.0).then_some(Self { depth, i: i as usize, j: j as usize })
+        })
+    }
+
+    /// The point there, of the lattice that is there or of one that is made.
+    fn point(&self, patch: &Patch<'_>, lattice: &mut Option<Box<PatchLattice>>) -> DVec3 {
+        let steps = 1 << self.depth;
+        let fine_enough = lattice.take().filter(|lattice| lattice.steps() >= steps);
+        let lattice = lattice.insert(fine_enough.unwrap_or_else(|| Box::new(PatchLattice::new(patch, self.depth))));
+        let every = lattice.steps() / steps;
+        lattice.point(every * self.i, every * self.j)
     }
 }
 
@@ -130,6 +162,6 @@ fn body_of(piece: Option<Piece<'_>>) -> Body<'_> {
 fn body_of_patch(patch: Patch<'_>) -> Body<'_> {
     match patch.quartic() {
         Some(quartic) => Body::Quartic(Box::new(quartic)),
-        None => Body::Patch(Box::new(patch)),
+        None => Body::Patch(Box::new(patch), None),
     }
 }
