@@ -179,6 +179,7 @@ mod peer {
             ("admit", d.admit),
             ("locate", d.locate),
             ("remesh", d.remesh),
+            ("relax", d.relax),
             ("correspond", d.correspond),
             ("modify", d.modify),
             ("refine", d.refine),

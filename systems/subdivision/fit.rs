@@ -157,8 +157,8 @@ impl FitWork {
         let finest = &self.open.levels[2];
         let mut positions: Vec<DVec3> = (0..finest.mesh.vertices.len()).map(|v| finest.mesh.sample(v as u32)).collect();
         let mut errors = vec![0.0; positions.len()];
-        let limit = self.open.test_rows.apply(&finest.state);
-        for ((&v, x), &error) in self.open.test_rows.vertices.iter().zip(limit).zip(&self.open.distances) {
+        let measured = self.open.measured.iter().zip(&self.open.distances);
+        for (&v, (&x, &error)) in self.open.test_rows.vertices.iter().zip(measured) {
             positions[v as usize] = x;
             errors[v as usize] = error;
         }

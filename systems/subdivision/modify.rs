@@ -88,6 +88,7 @@ impl FitWork {
         finest.state = chain::advance(&self.surface, &self.corners, own, &open.steps[1], finer, &finest.mesh);
         open.residuals.clear();
         open.distances.clear();
+        open.measured.clear();
     }
 }
 

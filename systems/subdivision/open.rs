@@ -39,7 +39,8 @@ pub(super) struct OpenLevel {
     pub residuals: Vec<DVec3>,
     pub hints: Vec<Option<SurfacePoint>>,
     pub solve: Option<Solve>,
-    /// Distances of the measured rows, as far as they have been found.
+    /// The measured limit points and their distances, as far as they have been found.
+    pub measured: Vec<DVec3>,
     pub distances: Vec<f64>,
     /// The greatest of them over each influenced patch, and where, once all are found.
     pub errors: Vec<(FaceCode, f64, DVec3)>,

@@ -59,6 +59,7 @@ impl FitWork {
             open.distances.push(distance);
             open.test_hints[begin + i] = at;
         }
+        open.measured.extend(all);
         if end < open.test_rows.vertices.len() {
             return Ok(Quantum::More);
         }
@@ -202,31 +203,19 @@ impl OpenLevel {
     /// The greatest distance over each influenced patch, and where.
     fn patch_errors(&self) -> Vec<(FaceCode, f64, DVec3)> {
         let mesh = &self.levels[2].mesh;
-        let limit = self.test_rows.apply_range(&self.levels[2].state, 0..self.test_rows.vertices.len());
-        let mut of_vertex = vec![(0.0, DVec3::ZERO); mesh.vertices.len()];
-        for ((&v, &distance), x) in self.test_rows.vertices.iter().zip(&self.distances).zip(limit) {
-            of_vertex[v as usize] = (distance, x);
-        }
-        let mut patches: Vec<(FaceCode, f64, DVec3)> =
-            self.influenced.iter().map(|&code| (code, 0.0, DVec3::ZERO)).collect();
-        // Faces of one patch stand side by side: it is looked up once.
-        let mut patch: Option<(FaceCode, Option<usize>)> = None;
-        for (code, corners) in mesh.codes.iter().zip(&mesh.corners) {
-            let of = FaceCode(code.0 >> 4);
-            let at = match patch {
-                Some((known, at)) if known == of => at,
-                _ => patches.binary_search_by_key(&of, |p| p.0).ok(),
-            };
-            patch = Some((of, at));
-            let Some(at) = at else { continue };
-            for &v in corners {
-                let (error, x) = of_vertex[v as usize];
-                if error > patches[at].1 {
-                    patches[at] = (of, error, x);
-                }
-            }
-        }
-        patches
+        let mut row_of = vec![usize::MAX; mesh.vertices.len()];
+        self.test_rows.vertices.iter().enumerate().for_each(|(row, &v)| row_of[v as usize] = row);
+        map_in_order(self.influenced.len(), |i| {
+            let patch = self.influenced[i];
+            let first = mesh.codes.partition_point(|code| code.0 >> 4 < patch.0);
+            let faces = mesh.codes[first..].iter().zip(&mesh.corners[first..]);
+            let corners = faces.take_while(|(code, _)| code.0 >> 4 == patch.0).flat_map(|(_, corners)| corners);
+            // On given borders nothing is measured: the surface is the curve there.
+            let rows = corners.map(|&v| row_of[v as usize]).filter(|&row| row != usize::MAX);
+            let found = rows.map(|row| (self.distances[row], self.measured[row]));
+            let (error, at) = found.fold((0.0, DVec3::ZERO), larger);
+            (patch, error, at)
+        })
     }
 }
 

@@ -108,7 +108,9 @@ impl<'a> Nest<'a> {
                 Body::Nothing => return DVec3::NAN,
                 Body::Kept(_) => {}
                 Body::Patch(patch, lattice) => {
-                    if let Some(place) = LatticePlace::of(way.weights) {
+                    // Corners need no lattice, and whoever asks for them may need a finer one next.
+                    let is_corner = way.weights.contains(&1.0);
+                    if let Some(place) = LatticePlace::of(way.weights).filter(|_| !is_corner) {
                         return place.point(patch, lattice);
                     }
                     if let Some(position) = patch.position_at_once(way.weights) {
