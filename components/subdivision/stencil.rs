@@ -245,21 +245,20 @@ impl LimitRows {
     /// the corner then has another rule than the mask assumes. One step later it no longer does, so
     /// there the row is the mask of the next level after the rules that lead to it.
     pub fn new(surface: &LoopSurface, corners: &CornerTable, mesh: &LevelMesh, wanted: impl Fn(u32) -> bool) -> Self {
-        Self::of(surface, corners, mesh, 0..mesh.vertices.len() as u32, wanted)
+        Self::of(surface, corners, mesh, (0..mesh.vertices.len() as u32).filter(|&v| wanted(v)))
     }
 
-    /// The masks of the vertices of `range` that `wanted` selects: a part of those of [`Self::new`].
+    /// The limit masks of some vertices, which ascend.
     pub fn of(
         surface: &LoopSurface,
         corners: &CornerTable,
         mesh: &LevelMesh,
-        range: Range<u32>,
-        wanted: impl Fn(u32) -> bool,
+        vertices: impl IntoIterator<Item = u32>,
     ) -> Self {
         let mut limit = Self::default();
-        for v in range {
+        for v in vertices {
             let vertex = mesh.vertices[v as usize];
-            if vertex.ring == RingState::Cut || matches!(vertex.kind, Kind::Given(_)) || !wanted(v) {
+            if !Self::has_row(mesh, v) {
                 continue;
             }
             limit.vertices.push(v);
@@ -280,6 +279,12 @@ impl LimitRows {
             }
         }
         limit
+    }
+
+    /// Has `v` a mask: is its ring whole, and it not on a given border?
+    pub fn has_row(mesh: &LevelMesh, v: u32) -> bool {
+        let vertex = mesh.vertices[v as usize];
+        vertex.ring != RingState::Cut && !matches!(vertex.kind, Kind::Given(_))
     }
 
     /// Adds the masks of vertices that come after all that it has.

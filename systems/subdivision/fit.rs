@@ -158,7 +158,7 @@ impl FitWork {
         let mut positions: Vec<DVec3> = (0..finest.mesh.vertices.len()).map(|v| finest.mesh.sample(v as u32)).collect();
         let mut errors = vec![0.0; positions.len()];
         let measured = self.open.measured.iter().zip(&self.open.distances);
-        for (&v, (&x, &error)) in self.open.test_rows.vertices.iter().zip(measured) {
+        for (&v, (&x, &error)) in self.open.tested.iter().zip(measured) {
             positions[v as usize] = x;
             errors[v as usize] = error;
         }

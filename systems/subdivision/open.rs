@@ -22,9 +22,11 @@ pub(super) struct OpenLevel {
     /// Levels `j`, `j + 1` and `j + 2`.
     pub levels: [Level; 3],
     pub steps: [Step; 2],
-    /// Limit rows at `j + 1`, what is fitted, and at `j + 2`, what is measured.
+    /// Limit rows at `j + 1`: what is fitted.
     pub fit_rows: LimitRows,
-    pub test_rows: LimitRows,
+    /// The vertices of `j + 2` that are measured, ascending. Their limit rows are made where they are used,
+    /// once or twice: kept, they would be the largest part of a level.
+    pub tested: Vec<u32>,
     /// The patches of level `j` that the movable vertices influence, ascending.
     pub influenced: Vec<FaceCode>,
     /// Vertices of level `j` that may move, ascending, and their addresses.
@@ -39,7 +41,7 @@ pub(super) struct OpenLevel {
     pub residuals: Vec<DVec3>,
     pub hints: Vec<Option<SurfacePoint>>,
     pub solve: Option<Solve>,
-    /// The measured limit points and their distances, as far as they have been found.
+    /// Their limit points and the distances of these, as far as they have been found.
     pub measured: Vec<DVec3>,
     pub distances: Vec<f64>,
     /// The greatest of them over each influenced patch, and where, once all are found.
@@ -54,8 +56,6 @@ pub(super) struct Opening {
     faces: Vec<FaceCode>,
     rings: Rings,
     way: Way,
-    /// The vertices of level `j + 2` that are measured.
-    measured: Vec<bool>,
     open: OpenLevel,
     next: Part,
 }
@@ -85,22 +85,18 @@ enum Part {
     FinestStep,
     FinestState,
     FitRows,
-    /// From this vertex on.
-    TestRows(usize),
+    Tested,
     Movable,
     FitHints,
     TestHints,
     Ready,
 }
 
-/// Vertices whose rows are made in one step: some milliseconds.
-const VERTICES: usize = 1 << 15;
-
 impl Opening {
     /// Begins to open `level` with the vertices around `faces` movable.
     pub fn new(level: u32, faces: Vec<FaceCode>) -> Self {
         let open = OpenLevel { level, ..OpenLevel::default() };
-        Self { faces, rings: Rings::default(), way: Way::default(), measured: Vec::new(), open, next: Part::Rings }
+        Self { faces, rings: Rings::default(), way: Way::default(), open, next: Part::Rings }
     }
 
     /// Takes the next step; the level, once it is open. Searches will begin where `natural` says.
@@ -156,17 +152,15 @@ impl Opening {
                 let fitted = open.influenced_vertices(1);
                 let mesh = &open.levels[1].mesh;
                 let is_fitted = |v: u32| fitted[v as usize] && mesh.vertices[v as usize].kind == Kind::Interior;
-                let all = 0..mesh.vertices.len() as u32;
-                open.fit_rows = rules::limit_rows(surface, corners, mesh, all, is_fitted);
-                self.measured = open.influenced_vertices(2);
-                Part::TestRows(0)
+                open.fit_rows = rules::limit_rows(surface, corners, mesh, is_fitted);
+                Part::Tested
             }
-            Part::TestRows(begin) => {
-                let end = self.measured.len().min(begin + VERTICES);
-                let wanted = |v: u32| self.measured[v as usize];
-                let range = begin as u32..end as u32;
-                open.test_rows.append(rules::limit_rows(surface, corners, &finest.mesh, range, wanted));
-                if end < self.measured.len() { Part::TestRows(end) } else { Part::Movable }
+            Part::Tested => {
+                let measured = open.influenced_vertices(2);
+                let mesh = &open.levels[2].mesh;
+                let is_tested = |&v: &u32| measured[v as usize] && LimitRows::has_row(mesh, v);
+                open.tested = (0..mesh.vertices.len() as u32).filter(is_tested).collect();
+                Part::Movable
             }
             Part::Movable => {
                 open.addresses = base.mesh.addresses(&surface.mesh);
@@ -175,11 +169,11 @@ impl Opening {
                 Part::FitHints
             }
             Part::FitHints => {
-                open.hints = hints(surface, natural, &finer.mesh, &open.fit_rows);
+                open.hints = hints(surface, natural, &finer.mesh, &open.fit_rows.vertices);
                 Part::TestHints
             }
             Part::TestHints => {
-                open.test_hints = hints(surface, natural, &finest.mesh, &open.test_rows);
+                open.test_hints = hints(surface, natural, &finest.mesh, &open.tested);
                 Part::Ready
             }
             Part::Ready => return Some(core::mem::take(open)),
@@ -247,9 +241,9 @@ impl OpenLevel {
 }
 
 /// Where the search for each point begins.
-fn hints(surface: &LoopSurface, natural: &Natural, mesh: &LevelMesh, rows: &LimitRows) -> Vec<Option<SurfacePoint>> {
+fn hints(surface: &LoopSurface, natural: &Natural, mesh: &LevelMesh, vertices: &[u32]) -> Vec<Option<SurfacePoint>> {
     let places = natural.places(&surface.mesh, mesh);
-    rows.vertices.iter().map(|&v| places[v as usize]).collect()
+    vertices.iter().map(|&v| places[v as usize]).collect()
 }
 
 /// The vertices of `faces` that have whole rings and are free to move: not on a plain border, and

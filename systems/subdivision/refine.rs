@@ -10,15 +10,19 @@
 
 use glam::DVec3;
 use selvedge_components::mesh::VertexId;
-use selvedge_components::subdivision::FaceCode;
+use selvedge_components::subdivision::{FaceCode, LimitRows};
 
+use super::chain::Level;
 use super::fit::{FitError, FitWork, Outcome, Quantum, Region, Rung, Stage, within};
 use super::open::{OpenLevel, Opening};
 use super::region;
-use crate::parallel::map_in_order;
+use crate::parallel::{map_dear_in_order, map_in_order};
 
 /// Closest points per work quantum.
 const QUANTUM: usize = 4096;
+
+/// Points whose limit rows are made together.
+const PART: usize = 64;
 
 /// The true maximum may exceed the one over 15 points by some 5 to 10 %: patches pass below this
 /// part of the tolerance.
@@ -47,20 +51,24 @@ impl FitWork {
         }
         let open = &mut self.open;
         let begin = open.distances.len();
-        let end = open.test_rows.vertices.len().min(begin + QUANTUM);
-        let (rows, state, target, hints) = (&open.test_rows, &open.levels[2].state, &self.target, &open.test_hints);
-        let all = rows.apply_range(state, begin..end);
-        let found = map_in_order(end - begin, |i| {
-            let foot = target.closest(all[i], hints[begin + i])?;
-            Ok((foot.position.distance(all[i]), foot.at))
+        let end = open.tested.len().min(begin + QUANTUM);
+        let (surface, corners, target) = (&self.surface, &self.corners, &self.target);
+        let Level { mesh, state } = &open.levels[2];
+        let parts = map_dear_in_order((end - begin).div_ceil(PART), |i| {
+            let part = begin + i * PART..end.min(begin + (i + 1) * PART);
+            let rows = LimitRows::of(surface, corners, mesh, open.tested[part.clone()].iter().copied());
+            let points = rows.apply(state).into_iter().zip(&open.test_hints[part]);
+            let found = points.map(|(x, hint)| Ok((x, target.closest(x, *hint)?)));
+            found.collect::<Result<Vec<_>, _>>()
         });
-        for (i, found) in found.into_iter().enumerate() {
-            let (distance, at) = found.map_err(FitError::Target)?;
-            open.distances.push(distance);
-            open.test_hints[begin + i] = at;
+        for part in parts {
+            for (x, foot) in part.map_err(FitError::Target)? {
+                open.test_hints[open.distances.len()] = foot.at;
+                open.distances.push(foot.position.distance(x));
+                open.measured.push(x);
+            }
         }
-        open.measured.extend(all);
-        if end < open.test_rows.vertices.len() {
+        if end < open.tested.len() {
             return Ok(Quantum::More);
         }
         self.judge()
@@ -204,7 +212,7 @@ impl OpenLevel {
     fn patch_errors(&self) -> Vec<(FaceCode, f64, DVec3)> {
         let mesh = &self.levels[2].mesh;
         let mut row_of = vec![usize::MAX; mesh.vertices.len()];
-        self.test_rows.vertices.iter().enumerate().for_each(|(row, &v)| row_of[v as usize] = row);
+        self.tested.iter().enumerate().for_each(|(row, &v)| row_of[v as usize] = row);
         map_in_order(self.influenced.len(), |i| {
             let patch = self.influenced[i];
             let first = mesh.codes.partition_point(|code| code.0 >> 4 < patch.0);

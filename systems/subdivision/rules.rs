@@ -1,4 +1,4 @@
-//! The rules of a level, made on all cores: a few thousand vertices at a time.
+//! The rules of a level, made on all cores: some hundred vertices at a time.
 
 use core::ops::Range;
 
@@ -9,34 +9,32 @@ use crate::parallel::map_dear_in_order;
 /// Vertices whose rules are made by one thread at a time.
 const VERTICES: usize = 512;
 
-/// The parts of `range`.
-fn parts<R: Send>(range: Range<u32>, of: impl Fn(Range<u32>) -> R + Sync + Send) -> Vec<R> {
-    let part = |i: usize| {
-        let begin = range.start + (i * VERTICES) as u32;
-        of(begin..range.end.min(begin + VERTICES as u32))
-    };
-    map_dear_in_order(range.len().div_ceil(VERTICES), part)
+/// What `of` makes of the vertices of `mesh`, part by part.
+fn parts<R: Send>(mesh: &LevelMesh, of: impl Fn(Range<u32>) -> R + Sync + Send) -> Vec<R> {
+    let count = mesh.vertices.len();
+    map_dear_in_order(count.div_ceil(VERTICES), |i| {
+        let begin = i * VERTICES;
+        of(begin as u32..count.min(begin + VERTICES) as u32)
+    })
 }
 
 /// As [`Step::new`].
 pub fn step(surface: &LoopSurface, corners: &CornerTable, coarse: &LevelMesh, fine: &LevelMesh) -> Step {
-    let all = 0..fine.vertices.len() as u32;
     let mut step = Step::default();
-    parts(all, |range| Step::of(surface, corners, coarse, fine, range)).into_iter().for_each(|part| step.append(part));
+    let parts = parts(fine, |range| Step::of(surface, corners, coarse, fine, range));
+    parts.into_iter().for_each(|part| step.append(part));
     step
 }
 
-/// As [`LimitRows::of`].
+/// As [`LimitRows::new`].
 pub fn limit_rows(
     surface: &LoopSurface,
     corners: &CornerTable,
     mesh: &LevelMesh,
-    range: Range<u32>,
     wanted: impl Fn(u32) -> bool + Sync + Send,
 ) -> LimitRows {
     let mut rows = LimitRows::default();
-    parts(range, |range| LimitRows::of(surface, corners, mesh, range, &wanted))
-        .into_iter()
-        .for_each(|part| rows.append(part));
+    let parts = parts(mesh, |range| LimitRows::of(surface, corners, mesh, range.filter(|&v| wanted(v))));
+    parts.into_iter().for_each(|part| rows.append(part));
     rows
 }
