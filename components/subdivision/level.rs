@@ -308,6 +308,11 @@ impl LevelMesh {
     /// The next level over the children of `faces`, which ascend and must be
     /// [refinable](Self::refinable).
     pub fn refine(&self, surface: &LoopSurface, faces: &[u32]) -> Self {
+        self.quarter(faces).settle(self, surface)
+    }
+
+    /// The faces and vertices of [`Self::refine`], and nothing yet that takes looking at all of them.
+    pub fn quarter(&self, faces: &[u32]) -> Quartered {
         let mut finer = Self {
             level: self.level + 1,
             codes: faces.iter().flat_map(|&f| (0..4).map(move |c| self.codes[f as usize].child(c))).collect(),
@@ -325,9 +330,7 @@ impl LevelMesh {
         }
         self.link(&family, &mut finer);
         self.place_vertices(&family, &mut finer);
-        finer.mark_cuts();
-        finer.place_samples(self, surface);
-        finer
+        Quartered(finer)
     }
 
     /// Twins and borders of the children, from those of the parents.
@@ -443,6 +446,20 @@ impl LevelMesh {
             self.vertices[v].kind = Kind::Given(self.given.len() as u32);
             self.given.push(GivenVertex { vertex: v as u32, sample, end });
         }
+    }
+}
+
+/// A level on its way: see [`LevelMesh::quarter`].
+#[derive(Debug)]
+pub struct Quartered(LevelMesh);
+
+impl Quartered {
+    /// The level, which was made of `coarser`.
+    pub fn settle(self, coarser: &LevelMesh, surface: &LoopSurface) -> LevelMesh {
+        let mut finer = self.0;
+        finer.mark_cuts();
+        finer.place_samples(coarser, surface);
+        finer
     }
 }
 

@@ -19,7 +19,7 @@ use selvedge_components::subdivision::{LimitRows, Rows, Step};
 use super::chain;
 use super::fit::{FitError, FitWork, Quantum, Rule, Stage};
 use super::open::OpenLevel;
-use crate::parallel::map_in_order;
+use crate::parallel::{map_dear_in_order, map_in_order};
 
 /// Steps of CGLS per round. With a condition of at most 11 the error after ten steps is below what
 /// the next level changes; 20 or 40 steps change the ladders by less than 5 %.
@@ -27,6 +27,9 @@ pub const STEPS: u32 = 10;
 
 /// Rounds at level 0, where the surface may start far from its target; later levels start close.
 pub(super) const FIRST_ROUNDS: u32 = 3;
+
+/// Rows of the matrix that are made together.
+const ROWS: usize = 256;
 
 /// One least-squares problem on its way.
 #[derive(Debug)]
@@ -55,9 +58,17 @@ impl FitWork {
         }
         let open = &mut self.open;
         let Some(solve) = &mut open.solve else {
-            let matrix = response(&open.fit_rows, &open.steps[0], &open.movable, open.levels[0].mesh.vertices.len());
-            let residuals = core::mem::take(&mut open.residuals);
-            open.solve = Some(Solve::new(matrix, open.movable.len(), residuals));
+            // Two of the larger pieces of work, a quantum each.
+            match open.response.take() {
+                None => {
+                    let vertices = open.levels[0].mesh.vertices.len();
+                    open.response = Some(response(&open.fit_rows, &open.steps[0], &open.movable, vertices));
+                }
+                Some(matrix) => {
+                    let residuals = core::mem::take(&mut open.residuals);
+                    open.solve = Some(Solve::new(matrix, open.movable.len(), residuals));
+                }
+            }
             return Ok(Quantum::More);
         };
         if solve.step() {
@@ -125,26 +136,29 @@ pub fn response(limit: &LimitRows, step: &Step, movable: &[u32], vertices: usize
     for (i, &v) in movable.iter().enumerate() {
         column[v as usize] = i as u32;
     }
-    let rows = map_in_order(limit.rows.len(), |r| {
-        let mut row: Vec<(u32, f64)> = Vec::with_capacity(20);
-        let (finer, masks) = limit.rows.row(r);
-        for (&f, &mask) in finer.iter().zip(masks) {
-            let (columns, weights) = step.rows.row(f as usize);
-            for (&c, &w) in columns.iter().zip(weights) {
-                let c = column[c as usize];
-                if c == NONE {
-                    continue;
-                }
-                match row.iter_mut().find(|e| e.0 == c) {
-                    Some(entry) => entry.1 += mask * w,
-                    None => row.push((c, mask * w)),
+    let parts = map_dear_in_order(limit.rows.len().div_ceil(ROWS), |part| {
+        let (mut rows, mut row) = (Rows::new(), Vec::<(u32, f64)>::with_capacity(32));
+        for r in part * ROWS..limit.rows.len().min((part + 1) * ROWS) {
+            let (finer, masks) = limit.rows.row(r);
+            for (&f, &mask) in finer.iter().zip(masks) {
+                let (columns, weights) = step.rows.row(f as usize);
+                for (&c, &w) in columns.iter().zip(weights) {
+                    let c = column[c as usize];
+                    if c == NONE {
+                        continue;
+                    }
+                    match row.iter_mut().find(|e| e.0 == c) {
+                        Some(entry) => entry.1 += mask * w,
+                        None => row.push((c, mask * w)),
+                    }
                 }
             }
+            rows.push(row.drain(..));
         }
-        row
+        rows
     });
     let mut matrix = Rows::new();
-    rows.into_iter().for_each(|row| matrix.push(row));
+    parts.iter().for_each(|part| matrix.append(part));
     matrix
 }
 

@@ -29,38 +29,29 @@ impl Natural {
         Self { vertices, faces }
     }
 
-    /// For each vertex of a level of the surface with the root mesh `root` the place that stands for it; that
-    /// of the nearest root vertex where its faces tell no better. `None` where nothing is known.
-    pub fn places(&self, root: &Connectivity, mesh: &LevelMesh) -> Vec<Option<SurfacePoint>> {
-        let mut places: Vec<Option<SurfacePoint>> = vec![None; mesh.vertices.len()];
-        let mut is_sure = vec![false; mesh.vertices.len()];
+    /// The place that stands for vertex `v` of a level of the surface with the root mesh `root`; that of the
+    /// nearest root vertex where its faces tell no better. `None` where nothing is known.
+    pub fn place(&self, root: &Connectivity, mesh: &LevelMesh, v: u32) -> Option<SurfacePoint> {
         if self.vertices.is_empty() {
-            return places;
+            return None;
         }
         let steps = 1_u32 << mesh.level;
-        for (code, corners) in mesh.codes.iter().zip(&mesh.corners) {
-            let face = code.root_face(mesh.level);
-            let known = self.faces.get(face.index()).copied().flatten();
-            for (&v, (i, j)) in corners.iter().zip(code.corners(mesh.level)) {
-                let v = v as usize;
-                if is_sure[v] {
-                    continue;
-                }
-                let weights = [steps - i - j, i, j];
-                places[v] = match known {
-                    Some(corners) => {
-                        is_sure[v] = true;
-                        let shares = weights.map(|w| f64::from(w) / f64::from(steps));
-                        let st = corners.iter().zip(shares).map(|(at, share)| at.st * share).sum();
-                        Some(SurfacePoint { face: corners[0].face, st })
-                    }
-                    None => {
-                        let heaviest = (1..3).fold(0, |best, c| if weights[c] > weights[best] { c } else { best });
-                        self.vertices.get(root.face(face)[heaviest].index()).copied().or(places[v])
-                    }
-                };
-            }
-        }
-        places
+        let weights = |h: u32| {
+            let code = mesh.codes[h as usize / 3];
+            let (i, j) = code.corners(mesh.level)[h as usize % 3];
+            (code.root_face(mesh.level), [steps - i - j, i, j])
+        };
+        let on_face = |h: u32| {
+            let (face, weights) = weights(h);
+            let corners = self.faces.get(face.index()).copied().flatten()?;
+            let shares = weights.map(|w| f64::from(w) / f64::from(steps));
+            let st = corners.iter().zip(shares).map(|(at, share)| at.st * share).sum();
+            Some(SurfacePoint { face: corners[0].face, st })
+        };
+        mesh.ring(v).find_map(on_face).or_else(|| {
+            let (face, weights) = weights(mesh.vertices[v as usize].start);
+            let heaviest = (1..3).fold(0, |best, c| if weights[c] > weights[best] { c } else { best });
+            self.vertices.get(root.face(face)[heaviest].index()).copied()
+        })
     }
 }

@@ -6,13 +6,13 @@
 use glam::DVec3;
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::subdivision::{
-    Address, CornerTable, Details, FaceCode, Kind, LevelMesh, LimitRows, LoopSurface, RingState, SideEnd, Step,
+    Address, CornerTable, Details, FaceCode, Kind, LevelMesh, LimitRows, LoopSurface, Quartered, RingState, Rows,
+    SideEnd, Step,
 };
 
 use super::chain::{self, Level, Way};
 use super::fit::{Region, zone};
 use super::modify::Solve;
-use super::natural::Natural;
 use super::{region, rules};
 
 /// The level in work.
@@ -37,9 +37,11 @@ pub(super) struct OpenLevel {
     pub moves: Vec<DVec3>,
     /// Which time round, at this level.
     pub round: u32,
-    /// Residuals of the fitted rows, as far as they have been found, and where they were found.
+    /// Residuals of the fitted rows, as far as they have been found, and where they were found last.
     pub residuals: Vec<DVec3>,
     pub hints: Vec<Option<SurfacePoint>>,
+    /// What moves answer, until the solve begins with it.
+    pub response: Option<Rows>,
     pub solve: Option<Solve>,
     /// Their limit points and the distances of these, as far as they have been found.
     pub measured: Vec<DVec3>,
@@ -73,7 +75,7 @@ struct Rings {
 }
 
 /// What is made next.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug, Default)]
 enum Part {
     Rings,
     Root,
@@ -81,16 +83,20 @@ enum Part {
     Way,
     Finer,
     Quarters,
-    FinestMesh,
-    FinestStep,
+    FinestFaces,
+    FinestMesh(Quartered),
+    /// From this vertex on.
+    FinestStep(u32),
     FinestState,
     FitRows,
     Tested,
     Movable,
-    FitHints,
-    TestHints,
+    #[default]
     Ready,
 }
+
+/// Vertices whose rules are made in one step: some milliseconds.
+const VERTICES: u32 = 1 << 15;
 
 impl Opening {
     /// Begins to open `level` with the vertices around `faces` movable.
@@ -99,18 +105,12 @@ impl Opening {
         Self { faces, rings: Rings::default(), way: Way::default(), open, next: Part::Rings }
     }
 
-    /// Takes the next step; the level, once it is open. Searches will begin where `natural` says.
-    pub fn advance(
-        &mut self,
-        surface: &LoopSurface,
-        corners: &CornerTable,
-        details: &Details,
-        natural: &Natural,
-    ) -> Option<OpenLevel> {
+    /// Takes the next step; the level, once it is open.
+    pub fn advance(&mut self, surface: &LoopSurface, corners: &CornerTable, details: &Details) -> Option<OpenLevel> {
         let Self { open, rings, .. } = self;
         let OpenLevel { level, levels: [base, finer, finest], steps, .. } = open;
         let local = |at: &LevelMesh, faces: &[FaceCode]| faces.iter().filter_map(|&f| at.find(f)).collect::<Vec<_>>();
-        self.next = match self.next {
+        self.next = match core::mem::take(&mut self.next) {
             Part::Rings => {
                 (*rings, open.influenced) = Rings::around(surface, *level, &self.faces);
                 self.way = Way::to(surface, *level, &rings.held);
@@ -134,15 +134,18 @@ impl Opening {
             Part::Quarters => {
                 let quarters = region::neighbourhood(&surface.mesh, *level + 1, &region::children(&open.influenced));
                 rings.quarters = local(&finer.mesh, &quarters);
-                Part::FinestMesh
+                Part::FinestFaces
             }
-            Part::FinestMesh => {
-                finest.mesh = finer.mesh.refine(surface, &rings.quarters);
-                Part::FinestStep
+            Part::FinestFaces => Part::FinestMesh(finer.mesh.quarter(&rings.quarters)),
+            Part::FinestMesh(quartered) => {
+                finest.mesh = quartered.settle(&finer.mesh, surface);
+                Part::FinestStep(0)
             }
-            Part::FinestStep => {
-                steps[1] = rules::step(surface, corners, &finer.mesh, &finest.mesh);
-                Part::FinestState
+            Part::FinestStep(begin) => {
+                let all = finest.mesh.vertices.len() as u32;
+                let end = all.min(begin + VERTICES);
+                rules::extend_step(&mut steps[1], surface, corners, [&finer.mesh, &finest.mesh], begin..end);
+                if end < all { Part::FinestStep(end) } else { Part::FinestState }
             }
             Part::FinestState => {
                 finest.state = chain::advance(surface, corners, details, &steps[1], finer, &finest.mesh);
@@ -166,14 +169,6 @@ impl Opening {
                 open.addresses = base.mesh.addresses(&surface.mesh);
                 open.movable = movable(&base.mesh, &rings.around);
                 open.list_active();
-                Part::FitHints
-            }
-            Part::FitHints => {
-                open.hints = hints(surface, natural, &finer.mesh, &open.fit_rows.vertices);
-                Part::TestHints
-            }
-            Part::TestHints => {
-                open.test_hints = hints(surface, natural, &finest.mesh, &open.tested);
                 Part::Ready
             }
             Part::Ready => return Some(core::mem::take(open)),
@@ -240,10 +235,12 @@ impl OpenLevel {
     }
 }
 
-/// Where the search for each point begins.
-fn hints(surface: &LoopSurface, natural: &Natural, mesh: &LevelMesh, vertices: &[u32]) -> Vec<Option<SurfacePoint>> {
-    let places = natural.places(&surface.mesh, mesh);
-    vertices.iter().map(|&v| places[v as usize]).collect()
+/// Keeps where point `i` was found, of which all before it are kept already.
+pub(super) fn keep(hints: &mut Vec<Option<SurfacePoint>>, i: usize, at: Option<SurfacePoint>) {
+    match hints.get_mut(i) {
+        Some(hint) => *hint = at,
+        None => hints.push(at),
+    }
 }
 
 /// The vertices of `faces` that have whole rings and are free to move: not on a plain border, and

@@ -14,7 +14,7 @@ use selvedge_components::subdivision::{FaceCode, LimitRows};
 
 use super::chain::Level;
 use super::fit::{FitError, FitWork, Outcome, Quantum, Region, Rung, Stage, within};
-use super::open::{OpenLevel, Opening};
+use super::open::{OpenLevel, Opening, keep};
 use super::region;
 use crate::parallel::{map_dear_in_order, map_in_order};
 
@@ -40,7 +40,7 @@ impl FitWork {
     /// When the target has no answer, or the next level would pass the budget.
     pub fn refine(&mut self) -> Result<Quantum, FitError> {
         if let Some(opening) = &mut self.opening {
-            let Some(next) = opening.advance(&self.surface, &self.corners, &self.details, &self.natural) else {
+            let Some(next) = opening.advance(&self.surface, &self.corners, &self.details) else {
                 return Ok(Quantum::More);
             };
             self.opening = None;
@@ -52,18 +52,21 @@ impl FitWork {
         let open = &mut self.open;
         let begin = open.distances.len();
         let end = open.tested.len().min(begin + QUANTUM);
-        let (surface, corners, target) = (&self.surface, &self.corners, &self.target);
+        let (surface, corners, target, natural) = (&self.surface, &self.corners, &self.target, &self.natural);
         let Level { mesh, state } = &open.levels[2];
         let parts = map_dear_in_order((end - begin).div_ceil(PART), |i| {
             let part = begin + i * PART..end.min(begin + (i + 1) * PART);
             let rows = LimitRows::of(surface, corners, mesh, open.tested[part.clone()].iter().copied());
-            let points = rows.apply(state).into_iter().zip(&open.test_hints[part]);
-            let found = points.map(|(x, hint)| Ok((x, target.closest(x, *hint)?)));
+            let found = rows.apply(state).into_iter().zip(part).map(|(x, row)| {
+                let natural = || natural.place(&surface.mesh, mesh, open.tested[row]);
+                let hint = open.test_hints.get(row).copied().unwrap_or_else(natural);
+                Ok((x, target.closest(x, hint)?))
+            });
             found.collect::<Result<Vec<_>, _>>()
         });
         for part in parts {
             for (x, foot) in part.map_err(FitError::Target)? {
-                open.test_hints[open.distances.len()] = foot.at;
+                keep(&mut open.test_hints, open.distances.len(), foot.at);
                 open.distances.push(foot.position.distance(x));
                 open.measured.push(x);
             }

@@ -9,21 +9,32 @@ use crate::parallel::map_dear_in_order;
 /// Vertices whose rules are made by one thread at a time.
 const VERTICES: usize = 512;
 
-/// What `of` makes of the vertices of `mesh`, part by part.
-fn parts<R: Send>(mesh: &LevelMesh, of: impl Fn(Range<u32>) -> R + Sync + Send) -> Vec<R> {
-    let count = mesh.vertices.len();
-    map_dear_in_order(count.div_ceil(VERTICES), |i| {
-        let begin = i * VERTICES;
-        of(begin as u32..count.min(begin + VERTICES) as u32)
+/// What `of` makes of a range of vertices, part by part.
+fn parts<R: Send>(range: Range<u32>, of: impl Fn(Range<u32>) -> R + Sync + Send) -> Vec<R> {
+    map_dear_in_order(range.len().div_ceil(VERTICES), |i| {
+        let begin = range.start + (i * VERTICES) as u32;
+        of(begin..range.end.min(begin + VERTICES as u32))
     })
 }
 
 /// As [`Step::new`].
 pub fn step(surface: &LoopSurface, corners: &CornerTable, coarse: &LevelMesh, fine: &LevelMesh) -> Step {
     let mut step = Step::default();
-    let parts = parts(fine, |range| Step::of(surface, corners, coarse, fine, range));
-    parts.into_iter().for_each(|part| step.append(part));
+    extend_step(&mut step, surface, corners, [coarse, fine], 0..fine.vertices.len() as u32);
     step
+}
+
+/// Adds the rules of the vertices of `range`, which come after all that `step` has, from a coarse level to a
+/// fine one.
+pub fn extend_step(
+    step: &mut Step,
+    surface: &LoopSurface,
+    corners: &CornerTable,
+    [coarse, fine]: [&LevelMesh; 2],
+    range: Range<u32>,
+) {
+    let parts = parts(range, |range| Step::of(surface, corners, coarse, fine, range));
+    parts.into_iter().for_each(|part| step.append(part));
 }
 
 /// As [`LimitRows::new`].
@@ -34,7 +45,8 @@ pub fn limit_rows(
     wanted: impl Fn(u32) -> bool + Sync + Send,
 ) -> LimitRows {
     let mut rows = LimitRows::default();
-    let parts = parts(mesh, |range| LimitRows::of(surface, corners, mesh, range.filter(|&v| wanted(v))));
+    let all = 0..mesh.vertices.len() as u32;
+    let parts = parts(all, |range| LimitRows::of(surface, corners, mesh, range.filter(|&v| wanted(v))));
     parts.into_iter().for_each(|part| rows.append(part));
     rows
 }
