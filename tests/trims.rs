@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 use glam::{DVec2, DVec3};
-use selvedge::curve::{Circle, Curve, FnCurve, Heading, SpaceCurve};
+use selvedge::curve::{FnCurve, Heading, SpaceCurve};
 use selvedge::diagnostics::SubdivisionDiagnostics;
 use selvedge::evaluate::{Evaluate, SurfacePoint};
 use selvedge::job::Cancelled;
@@ -244,19 +244,108 @@ fn what_lies_beyond_a_curve_far_away_goes_with_it() {
     assert!(result.points.iter().zip(0..result.mesh.vertex_count()).all(|(p, _)| p.truncate().length() > 0.6));
 }
 
+/// What stays is on the left of every curve of a trim, however far apart they run.
+#[test]
+fn of_two_discs_one_in_the_other_the_inner_one_stays() {
+    let mut plate = Plate::of(wide_plate(96));
+    let discs = [(DVec2::ZERO, 1.6), (DVec2::new(0.02, -0.03), 0.06)].map(|(at, radius)| {
+        let curve = circle(&plate.surface, at, radius);
+        (spawn_curve(&mut plate.world, curve), Heading::Along)
+    });
+    let trim = spawn_trim(&mut plate.world, plate.source, &discs, tolerance(), TrimOptions::default());
+    plate.settle();
+    plate.report(trim);
+    let result = plate.result().expect("a result");
+    assert_eq!((result.mesh.euler(), result.mesh.border_loops().len()), (1, 1));
+    assert!(result.points.iter().all(|p| p.truncate().length() < 0.2));
+}
+
+/// A torus in a world, its surface ready to be hit.
+fn torus() -> (Plate, Arc<SurfaceIndex<LimitSurface>>) {
+    let plate = Plate::of(support::world::torus(40, 20));
+    let limit = LimitSurface::new(Arc::new(plate.surface.clone())).expect("sound");
+    (plate, Arc::new(SurfaceIndex::new(Arc::new(limit)).expect("finite")))
+}
+
+/// The closed curve on a surface that lines from `from(u)` along `along(u)` meet first.
+fn met(
+    plate: &mut Plate,
+    index: &Arc<SurfaceIndex<LimitSurface>>,
+    line: impl Fn(f64) -> [DVec3; 2] + Send + Sync + 'static,
+) -> Entity {
+    let index = Arc::clone(index);
+    let curve = move |u: f64| {
+        let [from, along] = line(u);
+        index.first_hit(from, along, [0.0, f64::INFINITY]).map_or(DVec3::NAN, |hit| hit.position)
+    };
+    spawn_curve(&mut plate.world, Arc::new(FnCurve::new(curve).closed()))
+}
+
+/// Round the tube, at an angle round the axis.
+fn meridian(plate: &mut Plate, index: &Arc<SurfaceIndex<LimitSurface>>, angle: f64) -> Entity {
+    let out = DVec3::new(angle.cos(), angle.sin(), 0.0);
+    met(plate, index, move |u| {
+        let (sine, cosine) = (std::f64::consts::TAU * u).sin_cos();
+        [out, out * cosine + DVec3::Z * sine]
+    })
+}
+
+/// A circle on the outside of the tube.
+fn porthole(plate: &mut Plate, index: &Arc<SurfaceIndex<LimitSurface>>, angle: f64) -> Entity {
+    let out = DVec3::new(angle.cos(), angle.sin(), 0.0);
+    let curve = met(plate, index, move |u| {
+        let (sine, cosine) = (std::f64::consts::TAU * u).sin_cos();
+        [out + 0.09 * (out.cross(DVec3::Z) * -cosine + DVec3::Z * sine), out]
+    });
+    plate.cut(curve, Heading::Against)
+}
+
+/// Two meridians leave one part of the tube or the other; headings that contradict each other are told.
+#[test]
+fn two_meridians_of_a_torus_separate_it() {
+    for headings in [[Heading::Along, Heading::Against], [Heading::Against, Heading::Along], [Heading::Along; 2]] {
+        let (mut plate, index) = torus();
+        let cuts = [(0.1, headings[0]), (1.7, headings[1])].map(|(at, h)| (meridian(&mut plate, &index, at), h));
+        let trim = spawn_trim(&mut plate.world, plate.source, &cuts, tolerance(), TrimOptions::default());
+        plate.settle();
+        if headings[0] == headings[1] {
+            let why = plate.failure(trim);
+            assert!(matches!(why, TrimFault::Remesh(RemeshError::DoesNotSeparate { .. })), "{why}");
+            continue;
+        }
+        plate.report(trim);
+        let result = plate.result().expect("a result");
+        assert_eq!((result.mesh.euler(), result.mesh.border_loops().len()), (0, 2));
+        let turned = |p: &DVec3| DVec2::from_angle(-0.9).rotate(p.truncate()).x > 0.5;
+        let between = result.points.iter().filter(|p| turned(p)).count();
+        // A quarter of a turn is left, or the rest.
+        assert_eq!(2 * between > result.points.len(), headings[0] == Heading::Against, "{headings:?}");
+    }
+}
+
+/// A curve that does not separate is refused, and none of its neighbours, near or far, older or newer.
+#[test]
+fn what_does_not_separate_takes_nothing_good_with_it() {
+    let (mut plate, index) = torus();
+    let older = porthole(&mut plate, &index, -0.3);
+    let curve = meridian(&mut plate, &index, 0.0);
+    let wrong = plate.cut(curve, Heading::Along);
+    let newer = porthole(&mut plate, &index, 0.3);
+    let far = porthole(&mut plate, &index, 3.0);
+    plate.settle();
+    let why = plate.failure(wrong);
+    assert!(matches!(why, TrimFault::Remesh(RemeshError::DoesNotSeparate { curve: 0, .. })), "{why}");
+    for good in [older, newer, far] {
+        plate.report(good);
+    }
+    let result = plate.result().expect("a result");
+    assert_eq!((result.mesh.euler(), result.mesh.border_loops().len()), (-3, 3));
+}
+
 #[test]
 fn a_meridian_of_a_torus_does_not_separate_it() {
-    let mut plate = Plate::of(support::world::torus(40, 20));
-    let limit = LimitSurface::new(Arc::new(plate.surface.clone())).expect("sound");
-    let index = Arc::new(SurfaceIndex::new(Arc::new(limit)).expect("finite"));
-    let around = Circle::new(DVec3::X, DVec3::Y, 0.6).expect("a circle");
-    let axis = Circle::new(DVec3::X, DVec3::Y, 1e-3).expect("a circle");
-    // From the axis of the tube outward, whatever its exact shape.
-    let meridian = move |u: f64| {
-        let (from, to) = (axis.position(u), around.position(u));
-        index.first_hit(from, to - from, [0.0, 1.0]).map_or(DVec3::NAN, |hit| hit.position)
-    };
-    let curve = spawn_curve(&mut plate.world, Arc::new(FnCurve::new(meridian).closed()));
+    let (mut plate, index) = torus();
+    let curve = meridian(&mut plate, &index, 0.0);
     let trim = plate.cut(curve, Heading::Along);
     plate.settle();
     let why = plate.failure(trim);

@@ -19,7 +19,7 @@ use super::path::Leg;
 use super::sets::{Sets, Stays};
 use super::stretch::{Stretch, segments, share_in, stretches};
 use super::track::{Track, TrackPoint};
-use super::winding::Ways;
+use super::winding::{Beyond, Ways};
 use super::{Cut, PreImage, crossing, cusps};
 
 /// What the curves together make.
@@ -39,7 +39,8 @@ pub struct Arrangement {
     pub stays: Stays,
 }
 
-/// Finds the borders of what stays, or of the other side of a set whose curves are turned.
+/// Finds the borders of what stays, or of the other side of a set whose curves are turned, on a surface
+/// that hangs together `beyond` what there is of it.
 ///
 /// # Errors
 /// When a pre-image is not usable or crosses itself, curves do not separate the surface, or cross in
@@ -49,6 +50,7 @@ pub fn arrange(
     cuts: &[Cut],
     preimages: &[PreImage],
     options: &JunctionOptions,
+    beyond: &Beyond,
     other: Option<&OtherSide>,
 ) -> Result<Arrangement, RemeshError> {
     let mesh = &*surface.mesh;
@@ -64,7 +66,8 @@ pub fn arrange(
     let with_bits = |meeting| other.map_or(meeting, |other| other.with_bits(meeting));
     let meetings: Vec<Meeting> = meetings.into_iter().map(with_bits).collect();
     let stretches = stretches(&curves, &crossings, &meetings)?;
-    let (stays, borders) = Sets::new(mesh, &curves, cuts).stays(ways, &stretches, other.map(|other| other.set))?;
+    let sets = Sets::new(mesh, &curves, cuts, beyond);
+    let (stays, borders) = sets.stays(ways, &stretches, other.map(|other| other.set))?;
     let kept: Vec<&Stretch> = stretches.iter().zip(&borders).filter(|(_, border)| **border).map(|s| s.0).collect();
     let mut used = vec![false; cuts.len()];
     kept.iter().for_each(|s| used[s.span.cut as usize] = true);

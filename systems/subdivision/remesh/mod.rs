@@ -60,6 +60,7 @@ pub use junction::JunctionOptions;
 pub use other::OtherSide;
 pub use preimage::{Extent, PathPoint, PreImage, TraceOptions, trace, trace_near, trace_parts};
 pub use remove::Fate;
+pub use winding::Beyond;
 pub use work::{RelaxQuantum, RemeshQuantum, RemeshWork};
 
 use super::relax::RelaxOptions;

@@ -13,13 +13,14 @@ use selvedge_components::subdivision::remesh::RemeshError;
 use super::Cut;
 use super::stretch::{Stretch, middle, number};
 use super::track::Track;
-use super::winding::{Ways, Winding};
+use super::winding::{Beyond, Ways, Winding};
 
 /// The sets of curves on a surface.
 pub(super) struct Sets<'a> {
     mesh: &'a Connectivity,
     track: &'a Track,
     cuts: &'a [Cut],
+    beyond: &'a Beyond,
     /// Their names, ascending.
     names: Vec<u32>,
 }
@@ -57,11 +58,11 @@ impl Stays {
 type Left = (FaceId, i32);
 
 impl<'a> Sets<'a> {
-    pub fn new(mesh: &'a Connectivity, track: &'a Track, cuts: &'a [Cut]) -> Self {
+    pub fn new(mesh: &'a Connectivity, track: &'a Track, cuts: &'a [Cut], beyond: &'a Beyond) -> Self {
         let mut names: Vec<u32> = cuts.iter().map(|cut| cut.set).collect();
         names.sort_unstable();
         names.dedup();
-        Self { mesh, track, cuts, names }
+        Self { mesh, track, cuts, beyond, names }
     }
 
     /// What stays by all sets, or lies on the `other` side of one whose curves are turned, and of each
@@ -159,7 +160,7 @@ impl<'a> Sets<'a> {
     }
 
     fn winding(&self, ways: Ways, wanted: impl Fn(u32) -> bool) -> Result<Winding, RemeshError> {
-        Winding::new(self.mesh, ways).map_err(|face| self.not_separating(face, wanted))
+        Winding::new(self.mesh, ways, self.beyond).map_err(|face| self.not_separating(face, wanted))
     }
 
     /// The numbers with those on the left of the stretches of some sets taken note of, which are
@@ -178,7 +179,7 @@ impl<'a> Sets<'a> {
         let alone = |c: &usize| {
             let mut one = self.track.clone();
             one.points.iter_mut().filter(|p| p.cut as usize != *c).for_each(|p| p.legs.clear());
-            Winding::new(self.mesh, Ways::new(&one, self.mesh.face_count())).is_err()
+            Winding::new(self.mesh, Ways::new(&one, self.mesh.face_count()), self.beyond).is_err()
         };
         let mut own = (0..self.track.tracks.len()).filter(of_set);
         let curve = own.clone().find(alone).or(own.next()).unwrap_or(0);

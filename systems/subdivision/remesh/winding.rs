@@ -18,6 +18,7 @@ use glam::DVec2;
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId};
 use selvedge_components::subdivision::NONE;
+use smallvec::SmallVec;
 
 use super::path::{self, Leg};
 use super::track::Track;
@@ -87,6 +88,20 @@ fn rise<'a>(ways: impl IntoIterator<Item = &'a Way>, x: DVec2, y: DVec2) -> i32 
     crossed.sum()
 }
 
+/// Pairs of faces at the rim of a mesh that is a part of a larger one, which hang together beyond the part,
+/// where no curve runs. No curve runs through them either.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Beyond(pub Vec<[FaceId; 2]>);
+
+impl Beyond {
+    /// Both ways, ascending.
+    fn ways(&self) -> Vec<[FaceId; 2]> {
+        let mut ways: Vec<_> = self.0.iter().flat_map(|&[a, b]| [[a, b], [b, a]]).collect();
+        ways.sort_unstable();
+        ways
+    }
+}
+
 /// The fixed place of every face. It lies on no line that halving makes.
 const FIXED: DVec2 = DVec2::new(0.347, 0.279);
 
@@ -107,12 +122,13 @@ pub struct Winding {
 }
 
 impl Winding {
-    /// The numbers of `mesh`.
+    /// The numbers of `mesh`, of which faces may hang together `beyond` it.
     ///
     /// # Errors
     /// A face where two ways lead to different numbers: the curves do not separate the surface.
-    pub fn new(mesh: &Connectivity, ways: Ways) -> Result<Self, FaceId> {
+    pub fn new(mesh: &Connectivity, ways: Ways, beyond: &Beyond) -> Result<Self, FaceId> {
         let count = mesh.face_count();
+        let beyond = beyond.ways();
         let mut winding = Self { ways, numbers: vec![0; count], parts: vec![NONE; count], highest: Vec::new() };
         let mut queue = VecDeque::new();
         for seed in (0..count).map(FaceId::new) {
@@ -126,10 +142,14 @@ impl Winding {
             while let Some(face) = queue.pop_front() {
                 let highest = &mut winding.highest[part as usize];
                 *highest = (*highest).max(winding.numbers[face.index()]);
-                for h in (0..3).map(|i| HalfedgeId::of(face, i)) {
-                    let Some(twin) = mesh.twin(h) else { continue };
-                    let next = twin.face();
-                    let number = winding.numbers[face.index()] + winding.across(h, twin);
+                let number = winding.numbers[face.index()];
+                let across = (0..3).map(|i| HalfedgeId::of(face, i)).filter_map(|h| {
+                    let twin = mesh.twin(h)?;
+                    Some((twin.face(), number + winding.across(h, twin)))
+                });
+                let first = beyond.partition_point(|way| way[0] < face);
+                let around = beyond[first..].iter().take_while(|way| way[0] == face).map(|way| (way[1], number));
+                for (next, number) in across.chain(around).collect::<SmallVec<[_; 8]>>() {
                     if winding.parts[next.index()] == NONE {
                         winding.parts[next.index()] = part;
                         winding.numbers[next.index()] = number;
@@ -271,7 +291,7 @@ mod tests {
         let loops: Vec<Vec<DVec2>> = discs.iter().map(|&(c, r)| ring(c, r, 64)).collect();
         let track = tracks(&mesh, &loops);
         let ways = Ways::new(&track, 2);
-        let mut winding = Winding::new(&mesh, ways).expect("they separate");
+        let mut winding = Winding::new(&mesh, ways, &Beyond::default()).expect("they separate");
         let outside = winding.at(at(DVec2::new(0.01, 0.02)));
         winding.note(FaceId(1), outside);
         for k in 0..2000 {

@@ -21,6 +21,7 @@ use super::preimage::{Extent, PreImage};
 use super::remove::{Cage, Place, Remains, Trouble};
 use super::settle::Settling;
 use super::track::{Near, Track};
+use super::winding::Beyond;
 use super::{Cut, RemeshOptions, Work, crossed, manifold, sides};
 use crate::parallel::for_each;
 
@@ -32,6 +33,8 @@ pub struct RemeshWork {
     cuts: Vec<Cut>,
     preimages: Vec<PreImage>,
     options: RemeshOptions,
+    /// How the surface hangs together beyond what there is of it.
+    beyond: Beyond,
     /// Whose other side it is, if it is one.
     other: Option<OtherSide>,
     /// How the curves meet, once that is known.
@@ -141,6 +144,7 @@ impl RemeshWork {
             cuts,
             preimages,
             options,
+            beyond: Beyond::default(),
             other: None,
             plan,
             least,
@@ -148,6 +152,12 @@ impl RemeshWork {
             thin: (0, None),
             state,
         })
+    }
+
+    /// Takes the surface for a part of a larger one, of which faces hang together `beyond` it.
+    #[must_use]
+    pub fn within(self, beyond: Beyond) -> Self {
+        Self { beyond, ..self }
     }
 
     /// Makes the other side of a set of curves, which are turned already.
@@ -175,7 +185,8 @@ impl RemeshWork {
     fn step(&mut self) -> Result<RemeshQuantum, RemeshError> {
         let Some(plan) = &self.plan else {
             let junctions = &self.options.junctions;
-            let plan = arrange::arrange(&self.surface, &self.cuts, &self.preimages, junctions, self.other.as_ref())?;
+            let (surface, cuts, images) = (&self.surface, &self.cuts, &self.preimages);
+            let plan = arrange::arrange(surface, cuts, images, junctions, &self.beyond, self.other.as_ref())?;
             self.least = vec![0; plan.track.points.len()];
             self.plan = Some(Box::new(plan));
             return Ok(RemeshQuantum::More);

@@ -9,7 +9,7 @@ use selvedge_components::trim::{OtherReport, TrimFault, TrimQuantum};
 use super::audit::TrimAuditWork;
 use super::work::TrimWork;
 use crate::subdivision::fit::FitWork;
-use crate::subdivision::remesh::{OtherSide, RelaxQuantum, RemeshQuantum, RemeshWork, Remeshed};
+use crate::subdivision::remesh::{Beyond, OtherSide, RelaxQuantum, RemeshQuantum, RemeshWork, Remeshed};
 
 /// What a trim removes, being made. Lives in the work of the trims that it is made with.
 #[derive(Debug)]
@@ -47,7 +47,8 @@ impl OtherWork {
         let other = OtherSide { set: trim as u32, kept };
         let (surface, turned) = (Arc::clone(&work.ground().surface), other.turned(&cuts));
         let cutting = RemeshWork::new(surface, turned, images, work.remesh_options());
-        let cutting = cutting.map_err(|why| work.named(why))?.on_other_side(other);
+        let beyond = work.zone().map_or_else(Beyond::default, |zone| zone.beyond.clone());
+        let cutting = cutting.map_err(|why| work.named(why))?.within(beyond).on_other_side(other);
         Ok(Self { trim, stage: Stage::Remesh(Box::new(cutting)) })
     }
 

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::{Connectivity, EdgeId, FaceId, HalfedgeId, VertexId};
-use selvedge_components::subdivision::{Address, Border, Details, Ends, FaceCode, LoopSurface, Side};
+use selvedge_components::subdivision::{Address, Border, Details, Ends, FaceCode, LoopSurface, NONE, Side};
 
 use super::rename::{Names, rename_details};
 use crate::subdivision::region;
-use crate::subdivision::remesh::PreImage;
+use crate::subdivision::remesh::{Beyond, PreImage};
 
 /// How far a trim is thought to change its source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +60,36 @@ fn grown(mesh: &Connectivity, faces: Vec<FaceCode>, rings: u32) -> Vec<FaceCode>
 
 fn meets(mesh: &Connectivity, side: &Side, faces: &[FaceCode]) -> bool {
     side_edges(mesh, side).any(|h| faces.binary_search(&FaceCode::root(h.face())).is_ok())
+}
+
+/// Is a mesh of one part a disc or a sphere?
+fn is_simple(mesh: &Connectivity) -> bool {
+    let loops = mesh.border_loops().len() as i64;
+    loops <= 1 && mesh.euler() == 2 - loops
+}
+
+/// By face of `mesh`, which of the parts that the `wanted` faces hang together in it is of, or [`NONE`]; and
+/// how many there are.
+fn parts(mesh: &Connectivity, wanted: impl Fn(FaceId) -> bool) -> (Vec<u32>, usize) {
+    let mut part_of = vec![NONE; mesh.face_count()];
+    let (mut count, mut stack) = (0, Vec::new());
+    for seed in (0..mesh.face_count()).map(FaceId::new) {
+        if part_of[seed.index()] != NONE || !wanted(seed) {
+            continue;
+        }
+        part_of[seed.index()] = count;
+        stack.push(seed);
+        while let Some(face) = stack.pop() {
+            for next in (0..3).filter_map(|c| mesh.twin(HalfedgeId::of(face, c))).map(HalfedgeId::face) {
+                if part_of[next.index()] == NONE && wanted(next) {
+                    part_of[next.index()] = count;
+                    stack.push(next);
+                }
+            }
+        }
+        count += 1;
+    }
+    (part_of, count as usize)
 }
 
 /// The border half-edges of a side, in its direction.
@@ -127,6 +157,30 @@ impl Zone {
             point.at = SurfacePoint { face: self.face(point.at.face)?, ..point.at };
         }
         Some(image)
+    }
+
+    /// How faces at the zone's rim hang together beyond it, by the zone's names; `own` is its mesh.
+    ///
+    /// None where that cannot matter: on a disc or a sphere every curve separates, and of a zone of one part
+    /// nothing beyond it has a number that the zone does not have.
+    pub fn beyond(&self, source: &Connectivity, own: &Connectivity) -> Beyond {
+        if is_simple(source) && parts(own, |_| true).1 == 1 {
+            return Beyond::default();
+        }
+        let mut inside = vec![false; source.face_count()];
+        self.faces.iter().for_each(|f| inside[f.index()] = true);
+        let (part_of, count) = parts(source, |f| !inside[f.index()]);
+        // By part beyond, the last face that was found at its rim: each hangs together with the next.
+        let (mut last, mut pairs) = (vec![None; count], Vec::new());
+        for (f, face) in self.faces.iter().enumerate() {
+            let next = (0..3).filter_map(|c| source.twin(HalfedgeId::of(*face, c)));
+            for part in next.map(|twin| part_of[twin.face().index()]).filter(|&part| part != NONE) {
+                let here = FaceId::new(f);
+                let before = last[part as usize].replace(here).filter(|&before| before != here);
+                pairs.extend(before.map(|before| [before, here]));
+            }
+        }
+        Beyond(pairs)
     }
 
     /// The zone as a surface, and what its sides are of the source's. `None` if its faces make no

@@ -20,7 +20,7 @@ use selvedge_components::trim::BorderLine;
 
 use super::rename::{Names, rename_details};
 use super::zone::{Zone, ZoneSide};
-use crate::subdivision::remesh::{FaceOrigin, Fate, Remeshed, VertexOrigin};
+use crate::subdivision::remesh::{Beyond, FaceOrigin, Fate, Remeshed, VertexOrigin};
 use roster::{Face, Roster};
 
 pub use system::compose_results;
@@ -49,13 +49,15 @@ pub struct ZoneOf {
     pub zone: Zone,
     /// By side of the zone.
     pub sides: Vec<ZoneSide>,
+    /// How faces at its rim hang together beyond it, where that may matter.
+    pub beyond: Beyond,
 }
 
 impl ZoneOf {
     /// All of a source.
     fn whole(source: &LoopSurface) -> Self {
         let sides = (0..source.sides.len()).map(ZoneSide::Whole).collect();
-        Self { zone: Zone::whole(&source.mesh), sides }
+        Self { zone: Zone::whole(&source.mesh), sides, beyond: Beyond::default() }
     }
 
     /// Is every side that is not in the zone as a whole as it was in `source`, the zone's surface, or

@@ -114,7 +114,8 @@ impl TrimWork {
         let Some(members) = self.members.iter().map(narrow).collect() else { return Ok(()) };
         self.ground = Arc::new(Ground::new(Arc::new(surface), self.ground.revision)?);
         self.members = members;
-        self.zone = Some(Arc::new(ZoneOf { zone, sides }));
+        let beyond = zone.beyond(&source.mesh, &self.ground.surface.mesh);
+        self.zone = Some(Arc::new(ZoneOf { zone, sides, beyond }));
         Ok(())
     }
 
@@ -178,7 +179,11 @@ impl TrimWork {
     fn begin_cutting(&self) -> Result<RemeshWork, RemeshError> {
         let (cuts, images) = self.cuts();
         let options = self.remesh_options();
-        RemeshWork::new(Arc::clone(&self.ground.surface), cuts, images, options)
+        let cutting = RemeshWork::new(Arc::clone(&self.ground.surface), cuts, images, options)?;
+        Ok(match &self.zone {
+            Some(zone) => cutting.within(zone.beyond.clone()),
+            None => cutting,
+        })
     }
 
     /// Lets the new vertices settle, and begins the fit of the new cage, which [`Self::take_fit`] hands
