@@ -4,12 +4,16 @@
 //!
 //! 1. *follow*: a face is split while a piece of curve inside it is longer than its chord by more
 //!    than [`AdaptOptions::bend`] [Litke et al. 2001, Section 3.1], or while a smooth piece of curve
-//!    is shorter than some of its edges;
+//!    is shorter than some of its edges; and along a smooth piece the level changes by one only every
+//!    [`AdaptOptions::alike`] faces;
 //! 2. *near*: every face nearer to a curve than [`AdaptOptions::near`] of its own size is split down
 //!    to the level that the curve uses, so that the strip along the curve is narrow and its faces
 //!    alike: wide strips end in vertices of valence 8;
 //! 3. *balance*: neighbours differ by one level at most.
 
+use std::collections::HashMap;
+
+use glam::DVec3;
 use selvedge_components::subdivision::{CornerTable, FaceCode, LoopSurface};
 
 use super::error::RemeshError;
@@ -27,6 +31,9 @@ pub struct AdaptOptions {
     pub near: f64,
     /// How many edges a smooth piece of curve between two corners has at least.
     pub pieces: f64,
+    /// How many faces of a level follow a smooth piece of curve, from where it asks for that level, before
+    /// they may be coarser: more than half of what a circle has, so that a circle has one level.
+    pub alike: f64,
     /// The level that the whole cage is brought to first: each level halves the reach of a change.
     pub base: u32,
     /// The finest level allowed.
@@ -37,7 +44,7 @@ pub struct AdaptOptions {
 
 impl Default for AdaptOptions {
     fn default() -> Self {
-        Self { bend: 0.01, near: 1.2, pieces: 3.0, base: 0, finest: 12, most_faces: 1 << 22 }
+        Self { bend: 0.01, near: 1.2, pieces: 3.0, alike: 16.0, base: 0, finest: 12, most_faces: 1 << 22 }
     }
 }
 
@@ -56,9 +63,9 @@ pub fn adapt(
     let limit = options.finest.min(FaceCode::finest(surface.mesh.face_count()).saturating_sub(2));
     let mut leaves = Leaves::uniform(&surface.mesh, options.base.min(limit));
     let pieces = Pieces::new(track);
-    let by_piece = follow(surface, corners, track, &pieces, options, limit)?;
-    let wanted = pieces.of_segment.iter().zip(least).map(|(&piece, &least)| by_piece[piece as usize].max(least));
-    let finest: Vec<u32> = wanted.collect();
+    let asked = follow(surface, corners, track, &pieces, options, limit)?;
+    let levels = pieces.alike(track, &asked, options);
+    let finest: Vec<u32> = levels.into_iter().zip(least).map(|(level, &least)| level.max(least)).collect();
     if let Some(s) = finest.iter().position(|&l| l > limit) {
         return Err(too_fine(track, limit, s as u32));
     }
@@ -81,7 +88,15 @@ fn too_fine(track: &Track, limit: u32, segment: u32) -> RemeshError {
     RemeshError::TooFine { limit, curve: p.curve as usize, u: p.u, at: p.position }
 }
 
-/// Rule 1: the finest level that each smooth piece of curve asks for.
+/// What a segment of a track asks for by itself.
+#[derive(Clone, Copy, Debug)]
+struct Asked {
+    level: u32,
+    /// About the edge of a face of that level there, in model units.
+    edge: f64,
+}
+
+/// Rule 1: the finest level that each segment asks for.
 fn follow(
     surface: &LoopSurface,
     corners: &CornerTable,
@@ -89,8 +104,8 @@ fn follow(
     pieces: &Pieces,
     options: &AdaptOptions,
     limit: u32,
-) -> Result<Vec<u32>, RemeshError> {
-    let mut finest = vec![options.base; pieces.lengths.len()];
+) -> Result<Vec<Asked>, RemeshError> {
+    let mut asked = vec![Asked { level: options.base, edge: 0.0 }; track.points.len()];
     let mut open: Option<Vec<FaceCode>> = None;
     for level in options.base..=limit {
         let mut visits = track.visits(level);
@@ -98,34 +113,45 @@ fn follow(
             visits.retain(|v| open.binary_search(&v.code.parent()).is_ok());
         }
         if visits.is_empty() {
-            return Ok(finest);
+            return Ok(asked);
         }
         let faces = super::super::region::ascending(visits.iter().map(|v| v.code).collect());
         let field = Field::new(surface, corners, level, &faces);
         let mut split = Vec::new();
-        for run in visits.chunk_by(|a, b| a.code == b.code && joined(track, a, b)) {
+        let runs: Vec<_> = visits.chunk_by(|a, b| a.code == b.code && joined(track, a, b)).collect();
+        let sharp = sharp(track, &runs, SHARP * options.bend.sqrt());
+        for (run, is_sharp) in runs.into_iter().zip(sharp) {
             let Some(face) = field.level.mesh.find(run[0].code) else { continue };
             let edge = size(field.triangle(face));
             let (arc, chord) = arc_and_chord(track, run);
             let piece = pieces.of_segment[run[0].segment as usize] as usize;
             let length = pieces.lengths[piece];
             let bends = arc > SHORTEST * edge && arc > (1.0 + options.bend) * chord;
-            if bends || options.pieces * edge > length {
+            let turns = is_sharp && arc > TOUCHES * edge;
+            if bends || turns || options.pieces * edge > length {
                 if level == limit {
                     return Err(too_fine(track, limit, run[0].segment));
                 }
                 split.push(run[0].code);
-                finest[piece] = level + 1;
+                run.iter().for_each(|v| asked[v.segment as usize] = Asked { level: level + 1, edge: 0.5 * edge });
             }
         }
         open = Some(super::super::region::ascending(split));
     }
-    Ok(finest)
+    Ok(asked)
 }
 
 /// A curve that touches a face by less than this part of its size is the business of the faces
 /// beside it; where it runs through a vertex it may touch some by a rounding error.
 const SHORTEST: f64 = 0.1;
+
+/// Nor does a curve run through a face that it touches by less than this part of its size.
+const TOUCHES: f64 = 1e-3;
+
+/// A curve that turns this many times the square root of [`AdaptOptions::bend`] in a face, twice as much as an
+/// arc that is longer than its chord by so much, is not followed however straight it is before and after: the
+/// turn of a small fillet may lie next to an edge. So may it on both sides of one.
+const SHARP: f64 = 10.0;
 
 /// Is `b` the smooth continuation of `a`?
 fn joined(track: &Track, a: &Visit, b: &Visit) -> bool {
@@ -142,17 +168,56 @@ fn arc_and_chord(track: &Track, run: &[Visit]) -> (f64, f64) {
     (arc, at(&run[0], 0).distance(at(&run[run.len() - 1], 1)))
 }
 
+/// Of each run of visits, whether the curve turns by more than `limit` in it, or in it and a neighbour.
+fn sharp(track: &Track, runs: &[&[Visit]], limit: f64) -> Vec<bool> {
+    let turns: Vec<f64> = runs.iter().map(|run| turn(track, run)).collect();
+    let begins: HashMap<u32, usize> = runs.iter().enumerate().rev().map(|(k, run)| (run[0].segment, k)).collect();
+    let mut sharp: Vec<bool> = turns.iter().map(|&turn| turn > limit).collect();
+    for (k, run) in runs.iter().enumerate() {
+        let last = run[run.len() - 1];
+        // The one after the last of a closed curve is its first.
+        let wraps = || begins.get(&track.points[last.segment as usize].next).copied();
+        let after = runs.get(k + 1).filter(|next| joined(track, &last, &next[0])).map(|_| k + 1).or_else(wraps);
+        let after = after.filter(|&after| after != k && joined(track, &last, &runs[after][0]));
+        if let Some(after) = after
+            && turns[k] + turn(track, &[last, runs[after][0]]) + turns[after] > limit
+        {
+            (sharp[k], sharp[after]) = (true, true);
+        }
+    }
+    sharp
+}
+
+/// By how much visits turn in all, one after the other, in radians.
+fn turn(track: &Track, visits: &[Visit]) -> f64 {
+    let at = |visit: &Visit, end: usize| {
+        track.position(Near { segment: visit.segment, part: visit.part[end], distance: 0.0 })
+    };
+    // What is next to nothing of its segment says nothing of its direction.
+    let ways = visits.iter().filter(|v| v.part[1] - v.part[0] > LEAST_PART);
+    let ways = ways.filter_map(|v| (at(v, 1) - at(v, 0)).try_normalize());
+    let mut last = None;
+    let turns = ways.filter_map(|way| last.replace(way).map(|last: DVec3| last.angle_between(way)));
+    turns.sum()
+}
+
+/// See [`turn`].
+const LEAST_PART: f64 = 1e-6;
+
 /// The smooth pieces of the tracks, from corner to corner.
 struct Pieces {
     /// By segment.
     of_segment: Vec<u32>,
     /// By piece, in model units.
     lengths: Vec<f64>,
+    /// By piece, its segments in their order, and whether the last leads back to the first.
+    segments: Vec<(Vec<u32>, bool)>,
 }
 
 impl Pieces {
     fn new(track: &Track) -> Self {
-        let mut pieces = Self { of_segment: vec![0; track.points.len()], lengths: Vec::new() };
+        let count = track.points.len();
+        let mut pieces = Self { of_segment: vec![0; count], lengths: Vec::new(), segments: Vec::new() };
         for whole in &track.tracks {
             let points = || whole.begin..whole.begin + whole.count;
             // From a corner on, so that a piece over the end of a closed curve is one.
@@ -161,17 +226,54 @@ impl Pieces {
             for p in (begin..whole.begin + whole.count).chain(whole.begin..begin) {
                 if p == begin || track.points[p as usize].corner {
                     pieces.lengths.push(0.0);
+                    pieces.segments.push((Vec::new(), whole.closed && corner.is_none()));
                 }
                 let piece = pieces.lengths.len() - 1;
                 pieces.of_segment[p as usize] = piece as u32;
                 if track.is_segment(p) {
-                    let (a, b) = track.ends(p);
-                    pieces.lengths[piece] += a.distance(b);
+                    pieces.lengths[piece] += length(track, p);
+                    pieces.segments[piece].0.push(p);
                 }
             }
         }
         pieces
     }
+
+    /// The level of each segment: what it asks for itself, and what one nearby along its piece does.
+    fn alike(&self, track: &Track, asked: &[Asked], options: &AdaptOptions) -> Vec<u32> {
+        let mut levels: Vec<u32> = asked.iter().map(|asked| asked.level).collect();
+        let deepest = levels.iter().copied().max().unwrap_or(0);
+        for (segments, closed) in &self.segments {
+            // Round a closed piece twice: what comes before its beginning is at its end.
+            let rounds = if *closed { 2 } else { 1 };
+            let once = || segments.iter().copied();
+            let forward: Vec<u32> = (0..rounds).flat_map(|_| once()).collect();
+            let backward: Vec<u32> = (0..rounds).flat_map(|_| once().rev()).collect();
+            for level in options.base + 1..=deepest {
+                for way in [&forward, &backward] {
+                    let mut left = 0.0_f64;
+                    for &p in way {
+                        let Asked { level: own, edge } = asked[p as usize];
+                        if own >= level {
+                            // The edge of a face of `level`, which is no finer than its own.
+                            left = left.max(options.alike * edge * f64::from(1_u32 << (own - level)));
+                        }
+                        if left > 0.0 {
+                            levels[p as usize] = levels[p as usize].max(level);
+                        }
+                        left -= length(track, p);
+                    }
+                }
+            }
+        }
+        levels
+    }
+}
+
+/// The length of a segment, in model units.
+fn length(track: &Track, segment: u32) -> f64 {
+    let (a, b) = track.ends(segment);
+    a.distance(b)
 }
 
 /// Rule 2: the faces of `level` that are to be split.
