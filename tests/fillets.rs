@@ -60,7 +60,7 @@ fn fillets_of_any_size_are_followed_and_cost_no_more_than_they_must() {
         for signs in [DVec2::ONE, DVec2::NEG_ONE, DVec2::new(1.0, -1.0), DVec2::new(-1.0, 1.0)] {
             let corner = tip * signs;
             let near = border.iter().filter(|p| (**p - corner).abs().max_element() < 1.6 * radius).count();
-            assert!(near >= 3, "{told}: {near} vertices along the fillet at {corner}");
+            assert!(near >= 2, "{told}: {near} vertices along the fillet at {corner}");
         }
     }
 }
