@@ -148,9 +148,10 @@ const SHORTEST: f64 = 0.1;
 /// Nor does a curve run through a face that it touches by less than this part of its size.
 const TOUCHES: f64 = 1e-3;
 
-/// A curve that turns this many times the square root of [`AdaptOptions::bend`] in a face, twice as much as an
-/// arc that is longer than its chord by so much, is not followed however straight it is before and after: the
-/// turn of a small fillet may lie next to an edge. So may it on both sides of one.
+/// A face is split, too, where the curve turns by more radians than this many times the square root of
+/// [`AdaptOptions::bend`], in it alone or in it and the next: twice the turn of the arc that `bend` describes.
+/// Arc over chord does not see the turn of a small fillet next to an edge of the face, or across one, for
+/// nearly all of the arc is straight then.
 const SHARP: f64 = 10.0;
 
 /// Is `b` the smooth continuation of `a`?
