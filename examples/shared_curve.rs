@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let open = shared::open_seam_edges(&trimmed, &wall, level)?;
         let row = TrimRow::of(&trimmed, &settings)?;
         let name = format!("plate and bore wall, level {level}");
-        rows.push(TrimRow { name, open_edges: row.open_edges + open, ..row });
+        rows.push(TrimRow { name, open_edges: row.open_edges + open, ..row }.kept()?);
     }
     if std::env::args().any(|arg| arg == "--json") {
         say!("{}", TrimRow::json(&rows)?);

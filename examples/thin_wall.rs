@@ -11,14 +11,11 @@ use selvedge::scenes::trim_pictures::stages;
 use selvedge::scenes::trims::row::TrimRow;
 use selvedge::scenes::trims::{Settings, run, subjects};
 
-/// How far the bore goes beyond the rim, in metres, as negative walls.
-const THROUGH: [f64; 2] = [-0.005, -0.03];
-
 fn main() -> Result<(), Box<dyn Error>> {
     let json = std::env::args().any(|arg| arg == "--json");
     let settings = Settings::within(1e-5);
     let (mut rows, mut trimmed) = (Vec::new(), Vec::new());
-    for wall in subjects::WALLS.into_iter().chain(THROUGH) {
+    for wall in subjects::WALLS.into_iter().chain(subjects::THROUGH) {
         let done = run(&subjects::thin_wall(wall)?, &settings)?;
         rows.push(TrimRow::of(&done, &settings)?);
         trimmed.push(done);

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use selvedge::scenes::trims::measure;
+use selvedge::scenes::trims::row::{Broken, TrimRow};
 use selvedge::scenes::trims::shared;
-use selvedge::scenes::trims::{Scene, Settings, Trimmed, run, subjects};
+use selvedge::scenes::trims::{Scene, Settings, TrimSceneError, Trimmed, run, subjects};
 use selvedge_components::curve::{CurveParameters, FnCurve, Heading};
 use selvedge_components::subdivision::fit::Outcome;
 use selvedge_components::subdivision::{Border, LoopSurface};
-use selvedge_components::trim::TrimFault;
+use selvedge_components::trim::{TrimFault, TrimOptions};
 use selvedge_systems::subdivision::remesh::Cut;
 use selvedge_systems::triangulate::{Density, TriangulateOptions, triangulate};
 
@@ -45,7 +46,6 @@ fn the_bore_keeps_its_ladder_and_all_beyond_it_its_bits() {
 #[test]
 fn the_hubcap_has_twelve_borders_and_keeps_its_ladder() {
     let hubcap = run(&subjects::hubcap().expect("a scene"), &Settings::within(3e-6)).expect("a trim");
-    assert_eq!(hubcap.outcome, Outcome::Within);
     assert_ladder(&hubcap, &[205.0, 47.0, 9.9, 2.7]);
     assert_sound(&hubcap);
     assert_eq!(hubcap.surface.mesh.border_loops().len(), 12);
@@ -55,10 +55,24 @@ fn the_hubcap_has_twelve_borders_and_keeps_its_ladder() {
 
 #[test]
 fn a_bore_through_the_rim_leaves_one_border_with_two_corners() {
-    let cut = run(&subjects::thin_wall(-0.02).expect("a scene"), &Settings::within(1e-5)).expect("a trim");
-    assert_sound(&cut);
-    assert_eq!(cut.surface.mesh.border_loops().len(), 1);
-    assert_eq!(cut.surface.sides.len(), 2, "the bore and the rest of the rim");
+    let settings = Settings::within(1e-5);
+    for wall in subjects::THROUGH {
+        let cut = run(&subjects::thin_wall(wall).expect("a scene"), &settings).expect("a trim");
+        TrimRow::of(&cut, &settings).expect("what is promised");
+        assert_eq!(cut.surface.mesh.border_loops().len(), 1);
+        assert_eq!(cut.surface.sides.len(), 2, "the bore and the rest of the rim");
+    }
+}
+
+#[test]
+fn a_row_that_does_not_keep_its_promise_is_refused() {
+    let bore = subjects::bore8().expect("a scene");
+    let trimmed = run(&bore, &Settings::within(1e-4)).expect("a trim");
+    let broken = TrimRow::of(&trimmed, &Settings::within(1e-5)).expect_err("it was fitted to ten times as much");
+    assert!(matches!(broken, TrimSceneError::Broken { what: Broken::Tolerance { asked: 1e-5, .. }, .. }), "{broken}");
+    let short = Settings { options: TrimOptions { last_level: 0, ..TrimOptions::default() }, ..Settings::within(1e-6) };
+    let why = run(&bore, &short).expect_err("one level is not enough");
+    assert!(matches!(why, TrimFault::NotReached { outcome: Outcome::LevelsSpent { .. } }), "{why}");
 }
 
 #[test]

@@ -36,6 +36,7 @@ use thiserror::Error;
 
 pub use run::{Settings, Trimmed, run};
 
+use self::row::Broken;
 use crate::io::CageError;
 use crate::io::obj::ObjError;
 
@@ -81,6 +82,14 @@ pub enum TrimSceneError {
     /// The trim.
     #[error(transparent)]
     Trim(#[from] TrimFault),
+    /// The figures of what came out.
+    #[error("{name}: {what}")]
+    Broken {
+        /// What was trimmed.
+        name: String,
+        /// What is not as promised.
+        what: Broken,
+    },
     /// The triangles of the result.
     #[error(transparent)]
     Triangulate(#[from] TriangulateError),

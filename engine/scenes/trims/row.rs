@@ -1,8 +1,11 @@
 //! The figures of a trim, as the examples print them.
 
+use core::cmp::Ordering;
+
 use selvedge_components::subdivision::fit::Rung;
 use selvedge_systems::triangulate::{Density, TriangulateOptions, triangulate};
 use serde::Serialize;
+use thiserror::Error;
 
 use super::{Scene, Settings, TrimSceneError, Trimmed, measure, run};
 
@@ -55,19 +58,41 @@ pub struct LevelRow {
     pub active: usize,
 }
 
+/// A promise that a trim has not kept.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum Broken {
+    /// The distance to the given surface.
+    #[error("{achieved:e} m from the given surface, where {asked:e} m were asked for")]
+    Tolerance {
+        /// Asked for, in metres.
+        asked: f64,
+        /// Found, in metres.
+        achieved: f64,
+    },
+    /// Its triangles are closed but for the borders.
+    #[error("{0} open edges where no border is")]
+    OpenEdges(usize),
+    /// Border vertices are values of the curve.
+    #[error("vertices of a border are not the curve's own values")]
+    OffCurve,
+    /// Nothing changes beyond its region.
+    #[error("faces beyond its region are not what they were")]
+    ChangedOutside,
+}
+
 /// The subdivision level at which borders and seams are looked at.
 const LOOK: u32 = 2;
 
 impl TrimRow {
-    /// Measures a scene.
+    /// Measures a scene, and holds the figures against what was promised.
     ///
     /// # Errors
-    /// If the result cannot be evaluated.
+    /// If the result cannot be evaluated; [`TrimSceneError::Broken`].
     pub fn of(trimmed: &Trimmed, settings: &Settings) -> Result<Self, TrimSceneError> {
         let options = TriangulateOptions { density: Density::Level(LOOK), ..TriangulateOptions::default() };
         let triangles = triangulate(&trimmed.surface, &options)?.triangles;
         let mesh = &trimmed.surface.mesh;
-        Ok(Self {
+        let row = Self {
             name: trimmed.name.clone(),
             tolerance_m: settings.tolerance.map(|t| t.fit),
             remesh_max_m: trimmed.initial.map_or(f64::NAN, |rung| rung.max),
@@ -82,7 +107,31 @@ impl TrimRow {
             triangles: mesh.face_count(),
             longest_step_ms: 1e3 * trimmed.longest_step.as_secs_f64(),
             seconds: trimmed.time.as_secs_f64(),
-        })
+        };
+        row.kept()
+    }
+
+    /// The row, if what it tells is what every trim promises.
+    ///
+    /// # Errors
+    /// [`TrimSceneError::Broken`].
+    pub fn kept(self) -> Result<Self, TrimSceneError> {
+        let broken = match self.tolerance_m {
+            // A distance that is no number is not within any other.
+            Some(asked)
+                if !matches!(self.achieved_max_m.partial_cmp(&asked), Some(Ordering::Less | Ordering::Equal)) =>
+            {
+                Some(Broken::Tolerance { asked, achieved: self.achieved_max_m })
+            }
+            _ if self.open_edges > 0 => Some(Broken::OpenEdges(self.open_edges)),
+            _ if !self.curve_samples_exact => Some(Broken::OffCurve),
+            _ if !self.outside_bit_identical => Some(Broken::ChangedOutside),
+            _ => None,
+        };
+        match broken {
+            Some(what) => Err(TrimSceneError::Broken { name: self.name, what }),
+            None => Ok(self),
+        }
     }
 
     /// The figures of several scenes, one after the other: each trimmed and measured.

@@ -9,6 +9,7 @@ use selvedge_components::subdivision::fit::{Outcome, Quantum, Rung};
 use selvedge_components::subdivision::{Details, FaceCode, LoopSurface};
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::trim::{Omega, TrimFault, TrimOptions, TrimQuantum, TrimStage};
+use selvedge_systems::subdivision::fit::FitWork;
 use selvedge_systems::subdivision::remesh::{Cut, FaceOrigin, PreImage, Remeshed};
 use selvedge_systems::subdivision::trim::{Ground, LocateWork, TrimWork};
 
@@ -63,8 +64,6 @@ pub struct Trimmed {
     pub initial: Option<Rung>,
     /// The error after each level.
     pub ladder: Vec<Rung>,
-    /// How the fit ended.
-    pub outcome: Outcome,
     /// The longest step that cannot be interrupted.
     pub longest_step: Duration,
     /// All steps together.
@@ -97,22 +96,49 @@ impl Trimmed {
 }
 
 /// Does the trims of a scene together, as [`selvedge_systems::subdivision::trim`] makes those that
-/// touch: from the surface that was given, whatever their number.
+/// touch: from the surface that was given, whatever their number. Where the faces that they change are
+/// too few for the tolerance, the ones beside them are fitted, too.
 ///
 /// # Errors
-/// What stands against them.
+/// What stands against them; [`TrimFault::NotReached`] where the tolerance is not kept.
 pub fn run(scene: &Scene, settings: &Settings) -> Result<Trimmed, TrimFault> {
-    let budgets = Budgets::default();
     let mut clock = Clock::default();
-    let ground = Arc::clone(&scene.ground);
     let mut located = Vec::with_capacity(scene.trims.len());
     for cuts in &scene.trims {
         let Settings { options, tolerance } = settings.clone();
-        let mut work = LocateWork::new(Arc::clone(&ground), cuts.clone(), options, tolerance)?;
+        let mut work = LocateWork::new(Arc::clone(&scene.ground), cuts.clone(), options, tolerance)?;
         while clock.time(|| work.advance())? == TrimQuantum::More {}
-        located.push(Arc::clone(work.found()));
+        located.push(work);
     }
-    let mut work = TrimWork::on_all(Arc::clone(&ground), located);
+    let (mut work, mut fit) = fitted(scene, &located, &mut clock)?;
+    if work.may_fit_more(&not_reached(&fit)) {
+        located.iter_mut().for_each(LocateWork::fit_more);
+        (work, fit) = fitted(scene, &located, &mut clock)?;
+    }
+    if outcome(&fit) != Outcome::Within {
+        return Err(not_reached(&fit));
+    }
+    let remeshed = Arc::clone(work.remeshed().expect("a cage that is fitted"));
+    let surface = LoopSurface { details: fit.details().clone(), ..remeshed.surface.clone() };
+    Ok(Trimmed {
+        name: scene.name.clone(),
+        ground: Arc::clone(&scene.ground),
+        surface: Arc::new(surface),
+        cuts: work.parts().map(|(cut, _)| cut.clone()).collect(),
+        images: work.parts().map(|(_, image)| image.clone()).collect(),
+        remeshed,
+        initial: fit.initial().copied(),
+        ladder: fit.ladder().to_vec(),
+        longest_step: clock.longest,
+        time: clock.sum,
+    })
+}
+
+/// The new cage of trims that are located, and its fit, which has ended one way or another.
+fn fitted(scene: &Scene, located: &[LocateWork], clock: &mut Clock) -> Result<(TrimWork, FitWork), TrimFault> {
+    let budgets = Budgets::default();
+    let found = located.iter().map(|located| Arc::clone(located.found())).collect();
+    let mut work = TrimWork::on_all(Arc::clone(&scene.ground), found);
     let mut stage = TrimStage::Remesh;
     while stage != TrimStage::Fit {
         let step = clock.time(|| if stage == TrimStage::Relax { work.relax(&budgets) } else { work.remesh() });
@@ -122,21 +148,15 @@ pub fn run(scene: &Scene, settings: &Settings) -> Result<Trimmed, TrimFault> {
     }
     let mut fit = work.take_fit().expect("remeshing has just begun a fit");
     while clock.time(|| fit.advance())? != Quantum::Finished {}
-    let remeshed = Arc::clone(work.remeshed().expect("a cage that is fitted"));
-    let surface = LoopSurface { details: fit.details().clone(), ..remeshed.surface.clone() };
-    Ok(Trimmed {
-        name: scene.name.clone(),
-        ground,
-        surface: Arc::new(surface),
-        cuts: work.parts().map(|(cut, _)| cut.clone()).collect(),
-        images: work.parts().map(|(_, image)| image.clone()).collect(),
-        remeshed,
-        initial: fit.initial().copied(),
-        ladder: fit.ladder().to_vec(),
-        outcome: fit.outcome().unwrap_or(Outcome::Within),
-        longest_step: clock.longest,
-        time: clock.sum,
-    })
+    Ok((work, fit))
+}
+
+fn outcome(fit: &FitWork) -> Outcome {
+    fit.outcome().unwrap_or(Outcome::Within)
+}
+
+fn not_reached(fit: &FitWork) -> TrimFault {
+    TrimFault::NotReached { outcome: outcome(fit) }
 }
 
 /// Adds up steps.

@@ -69,6 +69,9 @@ fn cut_out(turn: f64) -> Result<Arc<dyn Curve>, TrimSceneError> {
 /// Walls between the bore and the rim of the disc that [`thin_wall`] is known by, in metres.
 pub const WALLS: [f64; 8] = [0.020, 0.010, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001];
 
+/// How far the bore goes through the rim beyond these, in metres, as negative walls.
+pub const THROUGH: [f64; 2] = [-0.005, -0.03];
+
 /// A bore of 30 mm in the contoured disc, its edge `wall` metres from the rim; a negative wall means
 /// that it cuts through. [Litke et al. 2001, Fig. 16]
 ///

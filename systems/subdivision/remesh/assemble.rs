@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
-use selvedge_components::subdivision::{Address, Details, FaceCode, LoopSurface, NONE};
+use selvedge_components::subdivision::{Address, CornerTable, Details, FaceCode, LoopSurface, NONE};
 use selvedge_components::trim::{BorderLine, Junction, Omega};
 
 use super::super::region;
@@ -90,7 +90,9 @@ pub struct Remeshed {
     pub natural: Vec<SurfacePoint>,
     /// The source's limit point there; the curve's point for a vertex on a curve.
     pub limit: Vec<DVec3>,
-    /// The vertices whose ring is not the one they had, ascending.
+    /// The vertices around which the limit surface is not what it was, ascending: their ring is not the
+    /// one they had, or their border is another, or they are next to a vertex with a rule of its own
+    /// that is.
     pub changed: Vec<VertexId>,
     /// The faces whose limit patch may differ from the source's, ascending. Beyond them it has the same
     /// bits; where the whole cage was refined for a small reach, it is the same up to rounding.
@@ -121,7 +123,7 @@ impl Remeshed {
 }
 
 /// The faces that may be fitted: those around changed vertices, with their neighbours or without.
-fn omega(mesh: &Connectivity, changed: &[VertexId], which: Omega) -> Vec<FaceCode> {
+pub(super) fn omega(mesh: &Connectivity, changed: &[VertexId], which: Omega) -> Vec<FaceCode> {
     let around = changed.iter().flat_map(|&v| mesh.ring(v)).map(|h| FaceCode::root(h.face()));
     let around = region::ascending(around.collect());
     match which {
@@ -149,9 +151,7 @@ pub(super) fn assemble(work: &Work<'_>, relaxed: Vec<Relaxed>) -> Result<Remeshe
     let mesh = Arc::new(manifold(vertex_count, &parts.triangles)?);
     let sides = sides::sides(work, &parts, &mesh)?;
     let mut changed = changed(work, &parts, &mesh);
-    changed.extend(&sides.touched);
-    changed.sort_unstable();
-    changed.dedup();
+    changed.extend(sides.touched.iter().flat_map(|&v| with_border_neighbours(&mesh, v)));
     let surface = LoopSurface {
         points: parts.points(work),
         corner_rule: work.surface.corner_rule,
@@ -159,6 +159,7 @@ pub(super) fn assemble(work: &Work<'_>, relaxed: Vec<Relaxed>) -> Result<Remeshe
         sides: sides.sides,
         mesh,
     };
+    let changed = with_neighbours_of_special(work, &parts, &surface, changed);
     Ok(Remeshed {
         natural: parts.vertices.iter().map(|&v| natural(work, v)).collect(),
         vertex_origin: parts.vertices.iter().map(|&v| origin(work, v)).collect(),
@@ -422,6 +423,40 @@ fn details(
     }
     levels.iter_mut().for_each(|level| level.sort_unstable_by_key(|d| d.0));
     Details { levels }
+}
+
+/// A vertex whose boundary sample or detail is another, and the border vertices next to it: new points
+/// on the edges between them are others, too.
+fn with_border_neighbours(mesh: &Connectivity, v: VertexId) -> impl Iterator<Item = VertexId> + '_ {
+    let leaving = mesh.ring(v).filter(|&h| mesh.twin(h).is_none()).map(|h| mesh.to(h));
+    let arriving = mesh.ring(v).map(HalfedgeId::previous).filter(|&h| mesh.twin(h).is_none()).map(|h| mesh.from(h));
+    leaving.chain(arriving).chain([v])
+}
+
+/// The changed vertices, ascending, with the neighbours of those that have a rule of their own now or had
+/// one: it makes the new points on all edges that lead there.
+fn with_neighbours_of_special(
+    work: &Work<'_>,
+    parts: &Parts,
+    surface: &LoopSurface,
+    mut changed: Vec<VertexId>,
+) -> Vec<VertexId> {
+    let (then, now) = (CornerTable::new(work.surface), CornerTable::new(surface));
+    let was_special = |v: VertexId| match parts.vertices[v.index()] {
+        Vertex::Lattice(l) => match work.adapted.vertices[l as usize].address {
+            Address::Corner(root) => then.of(root) != NONE,
+            _ => false,
+        },
+        Vertex::Knot(..) => false,
+    };
+    let special: Vec<VertexId> = changed.iter().copied().filter(|&v| now.of(v) != NONE || was_special(v)).collect();
+    for v in special {
+        // Beyond the last edge that a ring's half-edges lead along there is the border's other neighbour.
+        changed.extend(surface.mesh.ring(v).flat_map(|h| [surface.mesh.to(h), surface.mesh.opposite(h)]));
+    }
+    changed.sort_unstable();
+    changed.dedup();
+    changed
 }
 
 /// The vertices whose ring is not the one they had in the source, at the level that the whole cage

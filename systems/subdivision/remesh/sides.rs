@@ -30,7 +30,7 @@ pub(super) struct Sides {
     pub origins: Vec<SideOrigin>,
     /// Boundary details of level 0 on plain sides that are given now.
     pub details: Vec<(VertexId, DVec3)>,
-    /// Vertices of sides whose rule changed.
+    /// Vertices whose boundary sample or detail is another.
     pub touched: Vec<VertexId>,
 }
 

@@ -7,6 +7,7 @@ use selvedge_components::mesh::{FaceId, VertexId};
 use selvedge_components::subdivision::{Border, CornerTable, Ends, FaceCode, LevelMesh, LimitRows, LoopSurface};
 use selvedge_components::trim::BorderLine;
 
+use super::super::assemble::omega;
 use super::super::*;
 use super::draw;
 use crate::subdivision::{chain, region, relax::shape};
@@ -172,10 +173,11 @@ fn junctions_are_where_lines_meet(cuts: &[Cut], result: &Remeshed) {
     }
 }
 
-/// Compares limit points two levels down over faces outside Omega, to the bit (up to rounding where
-/// the whole cage was refined first); returns how many faces.
+/// Compares limit points two levels down over faces beyond those around changed vertices, to the bit (up
+/// to rounding where the whole cage was refined first); returns how many those are.
 fn limit_patches_outside_are_the_same(source: &LoopSurface, result: &Remeshed) -> usize {
-    let omega = &result.omega;
+    let omega = omega(&result.surface.mesh, &result.changed, Omega::Changed);
+    assert!(omega.iter().all(|face| result.omega.binary_search(face).is_ok()), "Omega is less than what has changed");
     let faces = result.face_origin.iter().enumerate().map(|(f, origin)| (FaceCode::root(FaceId::new(f)), origin));
     let outside: Vec<(FaceCode, u32, FaceCode)> = faces
         .filter(|(f, _)| omega.binary_search(f).is_err())
