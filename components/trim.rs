@@ -572,6 +572,17 @@ pub enum TrimAuditFault {
         /// Where.
         at: DVec3,
     },
+    /// A face next to those that may change is not as it was.
+    #[error("face {face} of the result has changed by {distance:e} at {at}, where nothing may change")]
+    Outside {
+        /// The face of the result.
+        face: u32,
+        /// How far its limit point has moved, in model units; 0 where only its origin is not what it
+        /// should be.
+        distance: f64,
+        /// Where.
+        at: DVec3,
+    },
     /// A border sample is not the curve's own.
     #[error("the border is at {at}, its curve at {sample} (u = {u}, side {side})")]
     OffCurve {

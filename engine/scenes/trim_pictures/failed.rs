@@ -57,7 +57,9 @@ pub fn places(why: &TrimFault) -> Vec<DVec3> {
         _ => Vec::new(),
     };
     let of_audit = |fault: &TrimAuditFault| match fault {
-        TrimAuditFault::Distance { at, .. } | TrimAuditFault::OffCurve { at, .. } => Some(*at),
+        TrimAuditFault::Distance { at, .. }
+        | TrimAuditFault::Outside { at, .. }
+        | TrimAuditFault::OffCurve { at, .. } => Some(*at),
         _ => None,
     };
     let places = match why {

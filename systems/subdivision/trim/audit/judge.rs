@@ -1,5 +1,6 @@
 //! What of that which was measured and counted is a fault.
 
+use glam::DVec3;
 use selvedge_components::curve::Traversal;
 use selvedge_components::evaluate::{Evaluate, SurfacePoint};
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
@@ -8,6 +9,7 @@ use selvedge_components::trim::{TrimAudit, TrimAuditFault};
 
 use super::Measuring;
 use crate::parallel::map_dear_in_order;
+use crate::subdivision::remesh::FaceOrigin;
 
 impl Measuring {
     pub(super) fn judge_distances(&self, faults: &mut Vec<TrimAuditFault>) {
@@ -22,6 +24,27 @@ impl Measuring {
                 faults.push(TrimAuditFault::Distance { what, distance, limit, at });
             }
         }
+    }
+
+    /// How a face beyond Omega is not what it was: compares limit points of both surfaces, bit for bit.
+    /// Where the whole cage was refined first, for a small reach, they are the same up to rounding.
+    pub(super) fn change_of(&self, face: FaceId) -> Option<TrimAuditFault> {
+        const STEPS: u32 = 4;
+        let origin = self.remeshed.face_origin[face.index()];
+        let FaceOrigin::Leaf { level, code } = origin else {
+            let at = self.limit.position(SurfacePoint::new(face, 1.0 / 3.0, 1.0 / 3.0));
+            return Some(TrimAuditFault::Outside { face: face.0, distance: 0.0, at });
+        };
+        let rounding = if level == 0 { 0.0 } else { ROUNDING * self.ground.size };
+        let places =
+            (0..=STEPS).flat_map(|i| (0..=STEPS - i).map(move |j| [i, j].map(|k| f64::from(k) / f64::from(STEPS))));
+        places.into_iter().find_map(|[s, t]| {
+            let now = self.limit.position(SurfacePoint::new(face, s, t));
+            let then = self.ground.limit().position(code.place(level, [1.0 - s - t, s, t]));
+            let distance = now.distance(then);
+            let same = bits(now) == bits(then) || distance <= rounding;
+            (!same).then_some(TrimAuditFault::Outside { face: face.0, distance, at: now })
+        })
     }
 
     /// Every border sample of a side of the result is its curve's own value. Returns how many there are.
@@ -41,7 +64,7 @@ impl Measuring {
             let ends = [edge, (edge + 1) % side.vertices.len()].map(|i| side.vertices[i]);
             let at = on_edge(mesh, ends, part as f64 / f64::from(1_u32 << level))?;
             let (found, sample) = (self.limit.position(at), curve.curve().position(u));
-            let same = found.to_array().map(f64::to_bits) == sample.to_array().map(f64::to_bits);
+            let same = bits(found) == bits(sample);
             Some((!same).then_some(TrimAuditFault::OffCurve { side: s, u, at: found, sample }))
         });
         let compared = faults.iter().flatten().count();
@@ -82,6 +105,14 @@ impl Measuring {
             }
         }
     }
+}
+
+/// Limit points by other ways differ by no more than this part of a surface's size.
+const ROUNDING: f64 = 1e-14;
+
+/// The bits of a point.
+fn bits(p: DVec3) -> [u64; 3] {
+    p.to_array().map(f64::to_bits)
 }
 
 /// The place of the border edge between `ends`, walked with the surface on the left, at `share` of

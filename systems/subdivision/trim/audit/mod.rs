@@ -1,8 +1,8 @@
 //! # Audit of a trim: the result against its source, by other means than those that made it
 //!
 //! Distances are measured at random places, both ways, by Gauss-Newton steps from places that
-//! correspond, over the faces that the trim could change: beyond them the limit surface has the bits
-//! it had. Source points under the strip need no way back of their own: the feet of the strip's
+//! correspond, over the faces that the trim could change. Beyond them the limit surface has the bits it
+//! had: looked at on the faces next to them, which any change would reach first. Source points under the strip need no way back of their own: the feet of the strip's
 //! samples are such points, and lie as near to the result as the samples to them. Borders are
 //! compared with the curves themselves; edges, loops and pieces are counted.
 
@@ -18,6 +18,7 @@ use super::ground::{Ground, unevaluated};
 use crate::closest::SurfaceIndex;
 use crate::parallel::map_dear_in_order;
 use crate::subdivision::limit::{LimitBuild, LimitSurface};
+use crate::subdivision::region;
 use crate::subdivision::remesh::Remeshed;
 
 /// Faces measured in one work quantum: some milliseconds.
@@ -126,7 +127,9 @@ struct Measuring {
     samples: u32,
     seed: u64,
     omega: Vec<FaceCode>,
-    /// How many faces of Omega are measured.
+    /// The faces next to Omega.
+    beside: Vec<FaceCode>,
+    /// How many faces are measured, of Omega and then beside it.
     measured: usize,
     /// How many sides are compared with their curves.
     compared: usize,
@@ -140,6 +143,8 @@ impl Measuring {
         surface: Arc<LoopSurface>,
         limit: LimitSurface,
     ) -> Self {
+        let mut beside = region::neighbourhood(&surface.mesh, 0, &remeshed.omega);
+        beside.retain(|face| remeshed.omega.binary_search(face).is_err());
         Self {
             surface,
             limit: Arc::new(limit),
@@ -150,6 +155,7 @@ impl Measuring {
             samples,
             seed,
             omega: remeshed.omega.clone(),
+            beside,
             measured: 0,
             compared: 0,
             found: TrimAudit::default(),
@@ -162,6 +168,10 @@ impl Measuring {
     fn advance(&mut self) -> Result<TrimQuantum, TrimFault> {
         if self.measured < self.omega.len() {
             self.measure_some();
+            return Ok(TrimQuantum::More);
+        }
+        if self.measured < self.omega.len() + self.beside.len() {
+            self.look_beside();
             return Ok(TrimQuantum::More);
         }
         if self.compared < self.surface.sides.len() {
@@ -185,6 +195,15 @@ impl Measuring {
             farther(&mut self.found, &face);
         }
         self.measured = end;
+    }
+
+    /// Compares the next faces beside Omega with what they were.
+    fn look_beside(&mut self) {
+        let begin = self.measured - self.omega.len();
+        let faces = &self.beside[begin..self.beside.len().min(begin + QUANTUM)];
+        let each = map_dear_in_order(faces.len(), |i| self.change_of(faces[i].root_face(0)));
+        self.measured += each.len();
+        self.faults.extend(each.into_iter().flatten());
     }
 
     /// Compares the next sides, one at least, with their curves.

@@ -100,7 +100,9 @@ fn place_of(why: &TrimFault) -> Option<DVec3> {
             Outcome::Within => None,
         },
         TrimFault::Audit { faults } => faults.iter().find_map(|fault| match fault {
-            TrimAuditFault::Distance { at, .. } | TrimAuditFault::OffCurve { at, .. } => Some(*at),
+            TrimAuditFault::Distance { at, .. }
+            | TrimAuditFault::Outside { at, .. }
+            | TrimAuditFault::OffCurve { at, .. } => Some(*at),
             _ => None,
         }),
         _ => None,
