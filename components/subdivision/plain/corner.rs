@@ -168,6 +168,96 @@ fn leave<V: Vector>(lattice: &mut Lattice<V>, corner: V, near: [V; 4], outer: [V
     lattice[15] = edge_point(r1, u, w, after);
 }
 
+/// Writes what the first step leaves behind around an interior corner.
+#[inline(always)]
+fn leave_first<L: Load>(load: L, corner: &Corner<'_, L::Vector>, lattice: &mut Lattice<L::Vector>) {
+    let &Corner { valence, first, centres: [v, to, _], ring, outer, .. } = corner;
+    // Those at the ends are not kept.
+    let [_, r @ ..]: [L::Vector; 7] = ring.window(load, valence, first);
+    leave(lattice, v, [r[1], r[2], r[3], r[4]], outer, to, between(v, r));
+}
+
+/// Writes what the second step leaves behind there; `before` is what the first has. So far most of the
+/// ring is of no use.
+#[inline(always)]
+fn leave_second<L: Load>(
+    load: L,
+    &Corner { valence, first, centres, ring, .. }: &Corner<'_, L::Vector>,
+    before: &Lattice<L::Vector>,
+    lattice: &mut Lattice<L::Vector>,
+) {
+    let [v, n0, n1, n2, n3, z, y, x, w, u, ..] = *before;
+    let r: [L::Vector; 8] = ring.window(load, valence, first);
+    let before = edge_point(centres[0], r[1], r[0], r[2]);
+    let after = edge_point(centres[0], r[6], r[5], r[7]);
+    let to_near = between(v, [before, n0, n1, n2, n3, after]);
+    leave(lattice, v, [n0, n1, n2, n3], [z, y, x, w, u], centres[2], to_near);
+}
+
+/// The polynomial of a quarter whose control points are in `lattice`, around a corner with this limit; see
+/// [`CornerPieces::quarter`].
+#[inline(always)]
+fn quarter_of<V: Vector>(lattice: &Lattice<V>, limit: V, quarter: u8, corner: u8) -> Quartic<V> {
+    let mut net: Net<V> = [lattice[0]; 12];
+    let places = NETS[usize::from(corner & 3)][usize::from(quarter & 3)];
+    for (i, point) in net.iter_mut().enumerate() {
+        *point = lattice[(places >> (4 * i)) as usize & 15];
+    }
+    let mut quartic = Quartic::new(&net);
+    quartic.coefficients[0] = quartic.coefficients[0] + limit;
+    quartic
+}
+
+/// What one of the first two steps towards a corner of a face has left behind: all that most places need.
+#[derive(Clone, Copy, Debug)]
+pub struct StepPieces<V> {
+    lattice: Lattice<V>,
+    limit: V,
+}
+
+impl<V: Vector> StepPieces<V> {
+    /// No corner yet.
+    pub(super) const fn new(zero: V) -> Self {
+        Self { lattice: [zero; 16], limit: zero }
+    }
+
+    /// As [`CornerPieces::quarter`] at the depth that these are of.
+    #[inline(always)]
+    pub fn quarter(&self, quarter: u8, corner: u8) -> Quartic<V> {
+        quarter_of(&self.lattice, self.limit, quarter, corner)
+    }
+
+    /// Makes them those of `corner`; `scratch` serves where a border runs through it.
+    #[inline(always)]
+    pub(super) fn begin<'a, L: Load<Vector = V>>(&mut self, corner: Corner<'a, V>, scratch: &mut CornerPieces<'a, L>) {
+        self.limit = corner.limit;
+        if corner.rule == VertexRule::Interior {
+            leave_first(scratch.load, &corner, &mut self.lattice);
+        } else {
+            scratch.begin(corner);
+            self.lattice = scratch.lattices[0];
+        }
+    }
+
+    /// Makes them those of the second step towards `corner`, from those of the first.
+    #[inline(always)]
+    pub(super) fn descend<'a, L: Load<Vector = V>>(
+        &mut self,
+        corner: Corner<'a, V>,
+        before: &Self,
+        scratch: &mut CornerPieces<'a, L>,
+    ) {
+        self.limit = corner.limit;
+        if corner.rule == VertexRule::Interior {
+            leave_second(scratch.load, &corner, &before.lattice, &mut self.lattice);
+        } else {
+            scratch.begin(corner);
+            scratch.descend();
+            self.lattice = scratch.lattices[1];
+        }
+    }
+}
+
 impl<'a, L: Load> CornerPieces<'a, L> {
     /// No corner yet.
     pub(super) fn new(load: L) -> Self {
@@ -199,11 +289,9 @@ impl<'a, L: Load> CornerPieces<'a, L> {
         if self.lattices.is_empty() {
             self.grow();
         }
-        let Corner { rule, valence, first, centres: [v, to, _], ring, outer, .. } = corner;
+        let Corner { rule, first, centres: [v, to, _], outer, .. } = corner;
         if rule == VertexRule::Interior {
-            // Those at the ends are not kept.
-            let [_, r @ ..]: [L::Vector; 7] = ring.window(self.load, valence, first);
-            leave(&mut self.lattices[0], v, [r[1], r[2], r[3], r[4]], outer, to, between(v, r));
+            leave_first(self.load, &corner, &mut self.lattices[0]);
         } else {
             self.read_ring();
             let before = near(rule, v, &self.spare[..corner.valence], first);
@@ -259,12 +347,8 @@ impl<'a, L: Load> CornerPieces<'a, L> {
         let Corner { rule, weight, first, valence, centres, .. } = self.corner;
         let [v, n0, n1, n2, n3, z, y, x, w, u, ..] = self.lattices[self.depths - 1];
         if rule == VertexRule::Interior && self.depths == 1 {
-            // So far the rest of the ring is of no use.
-            let r: [L::Vector; 8] = self.corner.ring.window(self.load, valence, first);
-            let before = edge_point(centres[0], r[1], r[0], r[2]);
-            let after = edge_point(centres[0], r[6], r[5], r[7]);
-            let to_near = between(v, [before, n0, n1, n2, n3, after]);
-            leave(&mut self.lattices[1], v, [n0, n1, n2, n3], [z, y, x, w, u], centres[2], to_near);
+            let (first, second) = self.lattices.split_at_mut(1);
+            leave_second(self.load, &self.corner, &first[0], &mut second[0]);
             self.depths = 2;
             return;
         }
@@ -305,14 +389,6 @@ impl<'a, L: Load> CornerPieces<'a, L> {
     /// to run along those of the face whose corner `corner` this is; with 0 they run along the corner's.
     #[inline(always)]
     pub fn quarter(&self, depth: u8, quarter: u8, corner: u8) -> Quartic<L::Vector> {
-        let lattice = &self.lattices[usize::from(depth)];
-        let mut net: Net<L::Vector> = [lattice[0]; 12];
-        let places = NETS[usize::from(corner & 3)][usize::from(quarter & 3)];
-        for (i, point) in net.iter_mut().enumerate() {
-            *point = lattice[(places >> (4 * i)) as usize & 15];
-        }
-        let mut quartic = Quartic::new(&net);
-        quartic.coefficients[0] = quartic.coefficients[0] + self.corner.limit;
-        quartic
+        quarter_of(&self.lattices[usize::from(depth)], self.corner.limit, quarter, corner)
     }
 }

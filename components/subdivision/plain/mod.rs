@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-pub use corner::CornerPieces;
+pub use corner::{CornerPieces, StepPieces};
 pub use limit::vertex_normal;
 pub use patch::{AsStored, Load, PatchReader};
 pub use place::Piece;

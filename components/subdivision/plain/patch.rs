@@ -5,7 +5,7 @@ use prefetch_index::prefetch_index;
 
 use super::PlainLoop;
 use super::block::{FIRST, LIMIT, RING, SECOND, THIRD};
-use super::corner::{Corner, CornerPieces, reflect};
+use super::corner::{Corner, CornerPieces, StepPieces, reflect};
 use super::place::{self, DEEPEST, Piece};
 use super::topology::{FinerCorner, NONE};
 use crate::evaluate::{Jet, SurfacePoint};
@@ -62,6 +62,14 @@ impl<L: Load> RegularNet<'_, L> {
 
     #[inline(always)]
     fn of(&self, face: FaceId) -> Net<L::Vector> {
+        match self.surface.topology.net(face) {
+            Some(net) => net.map(|v| self.point(VertexId(v))),
+            None => self.beside_border(face),
+        }
+    }
+
+    /// As [`Self::of`] where some of them are phantoms.
+    fn beside_border(&self, face: FaceId) -> Net<L::Vector> {
         let [a, b, c] = self.surface.topology.mesh().face(face);
         let (a, b, c) = (self.point(a), self.point(b), self.point(c));
         let [ha, hb, hc] = [HalfedgeId::of(face, 0), HalfedgeId::of(face, 1), HalfedgeId::of(face, 2)];
@@ -242,6 +250,37 @@ impl<'a, L: Load> PatchReader<'a, L> {
         pieces.begin(self.finer(face).corner(usize::from(corner)));
     }
 
+    /// Of no corner yet: scratch for [`Self::first_pieces`] and [`Self::second_pieces`].
+    pub fn no_step_pieces(&self) -> StepPieces<L::Vector> {
+        StepPieces::new(self.load.zero())
+    }
+
+    /// Makes `pieces` those of the first depth around a corner of a face that is not regular; `scratch` is
+    /// of no corner afterwards.
+    #[inline(always)]
+    pub fn first_pieces(
+        &self,
+        face: FaceId,
+        corner: u8,
+        pieces: &mut StepPieces<L::Vector>,
+        scratch: &mut CornerPieces<'a, L>,
+    ) {
+        pieces.begin(self.finer(face).corner(usize::from(corner)), scratch);
+    }
+
+    /// Makes `pieces` those of the second depth, of which `before` are those of the first.
+    #[inline(always)]
+    pub fn second_pieces(
+        &self,
+        face: FaceId,
+        corner: u8,
+        before: &StepPieces<L::Vector>,
+        pieces: &mut StepPieces<L::Vector>,
+        scratch: &mut CornerPieces<'a, L>,
+    ) {
+        pieces.descend(self.finer(face).corner(usize::from(corner)), before, scratch);
+    }
+
     /// The polynomial of all that is left around a corner after quartering once, where both the corner is
     /// regular ([`PlainTopology::regular_corners`](super::PlainTopology::regular_corners)) and its face
     /// is not. Its coordinates run along the face's.
@@ -250,18 +289,17 @@ impl<'a, L: Load> PatchReader<'a, L> {
         CornerPieces::all(self.load, &self.finer(face).corner(usize::from(corner)), corner)
     }
 
-    /// Asks memory for what `face` is made of, without waiting for it: for most of it where it is regular,
-    /// for all of it where it is not.
+    /// Asks memory for what `face` is made of at its corner `corner`, without waiting for it, unless it is
+    /// regular beside a border.
     #[inline(always)]
-    pub fn prefetch(&self, face: FaceId) {
-        if self.surface.topology.is_regular(face) {
-            for v in self.surface.topology.mesh().face(face) {
-                prefetch_index(&self.surface.points, v.index());
+    pub fn prefetch(&self, face: FaceId, corner: usize) {
+        if let Some(net) = self.surface.topology.net(face) {
+            for v in &net[4 * corner..4 * corner + 4] {
+                prefetch_index(&self.surface.points, *v as usize);
             }
-            return;
-        }
-        for corner in self.surface.topology.finer_corners(face) {
-            self.surface.finer.prefetch(corner.block, corner.valence);
+        } else if !self.surface.topology.is_regular(face) {
+            let FinerCorner { block, valence, .. } = self.surface.topology.finer_corners(face)[corner];
+            self.surface.finer.prefetch(block, valence);
         }
     }
 

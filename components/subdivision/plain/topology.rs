@@ -70,13 +70,18 @@ pub enum PlainError {
 pub struct PlainTopology {
     mesh: Arc<Connectivity>,
     rules: Vec<VertexRule>,
-    /// For each face its place in `corners`; [`NONE`] for a regular one.
-    irregular: Vec<u32>,
+    /// For each face its place in `corners`; for a regular one its place in `nets` with all bits turned.
+    faces: Vec<u32>,
     /// The corners of faces that are not regular.
     corners: Vec<[FinerCorner; 3]>,
-    /// For each vertex where the block of its finer points begins, and the end of the last. Vertices
-    /// that only regular faces touch have none.
+    /// The control points of those that are, in the order of a [`Net`](crate::subdivision::boxspline::Net);
+    /// [`NONE`] where some of them are phantoms.
+    nets: Vec<[u32; 12]>,
+    /// For each vertex where the block of its finer points begins; [`NONE`] of vertices that only regular
+    /// faces touch.
     blocks: Vec<u32>,
+    /// How many points all blocks have.
+    finer_points: u32,
     /// For each valence up to the largest: the masks of an interior vertex.
     masks: Vec<InteriorMask>,
 }
@@ -129,19 +134,20 @@ impl PlainTopology {
             VertexRule::Border => mesh.valence(v) == 4,
             VertexRule::Corner => mesh.valence(v) == 2,
         };
-        let mut count = 0;
-        let place = |f: &[VertexId; 3]| {
-            if f.iter().all(|&v| is_regular(v)) {
-                return NONE;
+        let (mut count, mut nets) = (0, Vec::new());
+        let place = |(f, corners): (usize, &[VertexId; 3])| {
+            if corners.iter().all(|&v| is_regular(v)) {
+                nets.push(regular_net(&mesh, FaceId::new(f)).unwrap_or([NONE; 12]));
+                return !(nets.len() as u32 - 1);
             }
             count += 1;
             count - 1
         };
-        let irregular: Vec<u32> = mesh.faces().iter().map(place).collect();
-        let blocks = blocks(&mesh, &irregular)?;
-        let corners = finer_corners(&mesh, &rules, &irregular, &blocks);
+        let faces: Vec<u32> = mesh.faces().iter().enumerate().map(place).collect();
+        let (blocks, finer_points) = blocks(&mesh, &faces)?;
+        let corners = finer_corners(&mesh, &rules, &faces, &blocks);
         let masks = interior_masks(&mesh);
-        Ok(Self { mesh, rules, irregular, corners, blocks, masks })
+        Ok(Self { mesh, rules, faces, corners, nets, blocks, finer_points, masks })
     }
 
     /// The faces.
@@ -159,7 +165,7 @@ impl PlainTopology {
     /// valence 6, a smooth border vertex of valence 4 or a declared corner of valence 2.
     #[inline]
     pub fn is_regular(&self, face: FaceId) -> bool {
-        self.irregular[face.index()] == NONE
+        is_regular(self.faces[face.index()])
     }
 
     /// How many faces are not regular.
@@ -171,26 +177,31 @@ impl PlainTopology {
     /// count, not those on borders. `None` of a face that is regular itself.
     #[inline(always)]
     pub fn regular_corners(&self, face: FaceId) -> Option<u64> {
-        let [a, b, c] = self.corners.get(self.irregular[face.index()] as usize)?;
+        let [a, b, c] = self.corners.get(self.faces[face.index()] as usize)?;
         Some(u64::from(a.is_regular()) | u64::from(b.is_regular()) << 1 | u64::from(c.is_regular()) << 2)
     }
 
     /// The corners of a face that is not regular.
     #[inline(always)]
     pub(super) fn finer_corners(&self, face: FaceId) -> &[FinerCorner; 3] {
-        &self.corners[self.irregular[face.index()] as usize]
+        &self.corners[self.faces[face.index()] as usize]
+    }
+
+    /// The control points of a regular face, but where some are phantoms.
+    #[inline(always)]
+    pub(super) fn net(&self, face: FaceId) -> Option<&[u32; 12]> {
+        self.nets.get(!self.faces[face.index()] as usize).filter(|net| net[0] != NONE)
     }
 
     /// Where the block of `v` begins, if it has one.
     #[inline(always)]
     pub(super) fn block(&self, v: VertexId) -> Option<u32> {
-        let [block, next] = [self.blocks[v.index()], self.blocks[v.index() + 1]];
-        (block < next).then_some(block)
+        Some(self.blocks[v.index()]).filter(|&block| block != NONE)
     }
 
     /// How many finer points are kept.
     pub(super) fn finer_count(&self) -> usize {
-        self.blocks.last().map_or(0, |&end| end as usize)
+        self.finer_points as usize
     }
 
     /// The masks of an interior vertex of `valence`, which must occur in the mesh.
@@ -213,6 +224,29 @@ fn vertex_rules(mesh: &Connectivity, corners: &[VertexId]) -> Result<Vec<VertexR
     Ok(rules)
 }
 
+/// Is the face with this place regular? Half of all numbers are more than there are faces, which have three
+/// half-edges each.
+const fn is_regular(place: u32) -> bool {
+    place > u32::MAX / 2
+}
+
+/// The control points of a regular face; `None` where a border runs through a corner.
+fn regular_net(mesh: &Connectivity, face: FaceId) -> Option<[u32; 12]> {
+    let mut net = [NONE; 12];
+    for corner in 0..3 {
+        let h = HalfedgeId::of(face, corner);
+        net[corner] = mesh.from(h).0;
+        net[3 + corner] = mesh.opposite(mesh.twin(h)?).0;
+        // The third and fourth neighbour after the one that `h` leads to.
+        let one = mesh.twin(h.previous())?;
+        let two = mesh.twin(one.previous())?;
+        let three = mesh.twin(two.previous())?;
+        net[6 + 2 * corner] = mesh.to(three).0;
+        net[7 + 2 * corner] = mesh.opposite(three).0;
+    }
+    Some(net)
+}
+
 /// Computed once for each valence that occurs: a cosine costs more than the sum it weighs.
 fn interior_masks(mesh: &Connectivity) -> Vec<InteriorMask> {
     let mut masks = Vec::new();
@@ -229,33 +263,31 @@ fn interior_masks(mesh: &Connectivity) -> Vec<InteriorMask> {
     masks
 }
 
-/// Blocks for the corners of all faces that are not regular.
-fn blocks(mesh: &Connectivity, irregular: &[u32]) -> Result<Vec<u32>, PlainError> {
-    let mut size = vec![0_u32; mesh.vertex_count() + 1];
-    for (corners, _) in mesh.faces().iter().zip(irregular).filter(|(_, place)| **place != NONE) {
+/// Where the block of each vertex of a face that is not regular begins, [`NONE`] of the others; and how many
+/// points there are in all. In the order in which the faces come: those who walk over faces find blocks
+/// together whatever the numbers of the vertices are.
+fn blocks(mesh: &Connectivity, faces: &[u32]) -> Result<(Vec<u32>, u32), PlainError> {
+    let mut begin = vec![NONE; mesh.vertex_count()];
+    let mut total = 0_u64;
+    for (corners, _) in mesh.faces().iter().zip(faces).filter(|(_, place)| !is_regular(**place)) {
         for v in corners {
-            size[v.index() + 1] = block::size(mesh.valence(*v));
+            if begin[v.index()] == NONE {
+                // Too many are counted to their end, for the error.
+                begin[v.index()] = total.min(u64::from(NONE - 1)) as u32;
+                total += u64::from(block::size(mesh.valence(*v)));
+            }
         }
     }
-    let total: u64 = size.iter().map(|&s| u64::from(s)).sum();
-    if total >= u64::from(NONE) {
-        return Err(PlainError::TooLarge { faces: mesh.face_count(), points: total });
+    match u32::try_from(total) {
+        Ok(points) if points < NONE => Ok((begin, points)),
+        _ => Err(PlainError::TooLarge { faces: mesh.face_count(), points: total }),
     }
-    for v in 1..size.len() {
-        size[v] += size[v - 1];
-    }
-    Ok(size)
 }
 
-fn finer_corners(
-    mesh: &Connectivity,
-    rules: &[VertexRule],
-    irregular: &[u32],
-    blocks: &[u32],
-) -> Vec<[FinerCorner; 3]> {
+fn finer_corners(mesh: &Connectivity, rules: &[VertexRule], faces: &[u32], blocks: &[u32]) -> Vec<[FinerCorner; 3]> {
     // For each half-edge that leaves a vertex with a block: the place of its edge's midpoint there.
     let mut slots = vec![NONE; 3 * mesh.face_count()];
-    for v in (0..mesh.vertex_count()).filter(|&v| blocks[v] < blocks[v + 1]) {
+    for v in (0..mesh.vertex_count()).filter(|&v| blocks[v] != NONE) {
         for (slot, h) in (blocks[v] + block::RING..).zip(mesh.ring(VertexId::new(v))) {
             slots[h.index()] = slot;
         }
@@ -269,13 +301,14 @@ fn finer_corners(
             first: slots[h.index()] - blocks[v.index()] - block::RING,
             // The one after the twin, which leaves the next corner, in the ring there.
             before: mesh.twin(h).map_or(NONE, |twin| {
-                let end = blocks[mesh.from(twin).index() + 1];
-                let (after, first) = (slots[twin.index()] + 1, blocks[mesh.from(twin).index()] + block::RING);
+                let next = mesh.from(twin);
+                let (after, first) = (slots[twin.index()] + 1, blocks[next.index()] + block::RING);
+                let end = first + mesh.valence(next);
                 if after < end { after } else { first }
             }),
             after: mesh.twin(h.previous()).map_or(NONE, |twin| slots[twin.next().index()]),
         }
     };
-    let faces = (0..mesh.face_count()).filter(|&f| irregular[f] != NONE).map(FaceId::new);
+    let faces = (0..mesh.face_count()).filter(|&f| !is_regular(faces[f])).map(FaceId::new);
     faces.map(|f| [0, 1, 2].map(|i| corner(HalfedgeId::of(f, i)))).collect()
 }

@@ -15,6 +15,7 @@ use super::lanes::{AsLanes, Store};
 use crate::parallel;
 use worker::{Located, Put, Worker};
 
+mod spread;
 mod worker;
 
 /// Why places were not evaluated.
@@ -150,6 +151,8 @@ struct Scattered<'a, 'b> {
 }
 
 impl Put for Scattered<'_, '_> {
+    const CROWDED: usize = 12;
+
     #[inline(always)]
     fn put(&mut self, index: usize, jet: Jet) {
         self.jets[self.run[index].index as usize] = jet;
@@ -165,6 +168,8 @@ impl Put for Scattered<'_, '_> {
 struct InOrder<'a>(&'a mut [Jet]);
 
 impl Put for InOrder<'_> {
+    const CROWDED: usize = 3;
+
     #[inline(always)]
     fn put(&mut self, index: usize, jet: Jet) {
         self.0[index] = jet;

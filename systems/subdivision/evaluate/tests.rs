@@ -69,6 +69,19 @@ fn sparse_places_have_the_same_bits() {
     assert_eq!(bits(&out), bits(&alone));
 }
 
+/// So do places each of which is on another face than the one before.
+#[test]
+fn places_in_no_order_have_the_same_bits() {
+    for (name, cage) in zoo() {
+        let surface = surface(&cage);
+        let places = places(cage.1.len(), 1500, 17);
+        let mut out = vec![Jet::default(); places.len()];
+        jets_by_face(&surface, &places, &mut out).expect("the places are on the surface");
+        let alone: Vec<Jet> = places.iter().map(|&p| surface.jet(p)).collect();
+        assert_eq!(bits(&out), bits(&alone), "{name}");
+    }
+}
+
 /// Threads leave no trace.
 #[test]
 #[cfg(feature = "parallel")]

@@ -9,6 +9,7 @@ use selvedge_components::subdivision::plain::place::{self, DEEPEST};
 use selvedge_components::subdivision::plain::{CornerPieces, PatchReader, Piece};
 
 use super::super::lanes::Store;
+use super::spread::Spread;
 
 /// A place and where its result belongs.
 pub(super) trait Located {
@@ -18,6 +19,9 @@ pub(super) trait Located {
 
 /// Where results go.
 pub(super) trait Put {
+    /// From as many places to a face on it is faster to make polynomials as places come.
+    const CROWDED: usize;
+
     /// Takes the result of the `index`-th place.
     fn put(&mut self, index: usize, jet: Jet);
 
@@ -27,17 +31,17 @@ pub(super) trait Put {
 
 /// Places that are looked at together: as many as that what their faces are made of fits into the
 /// nearest cache.
-const BLOCK: usize = 64;
+pub(super) const BLOCK: usize = 64;
 
 /// Where in their faces the places of a block lie; lists, so that it is found out in lanes.
 ///
 /// How many places share a face, and which of its pieces each lies in, cannot be foreseen: nothing
 /// branches on it but the making of a polynomial.
-struct Block {
+pub(super) struct Block {
     s: [f64; BLOCK],
     t: [f64; BLOCK],
     /// Which run of places with one face each is in.
-    run: [u8; BLOCK],
+    pub run: [u8; BLOCK],
     /// The first place of each run; the first `runs` count.
     starts: [u8; BLOCK],
     runs: usize,
@@ -46,10 +50,38 @@ struct Block {
     /// By place, the same.
     regular: [u64; BLOCK],
     /// The pieces, the places in them, and how much faster coordinates run there than in the faces.
-    piece: [u64; BLOCK],
+    pub piece: [u64; BLOCK],
     piece_s: [f64; BLOCK],
     piece_t: [f64; BLOCK],
     scale: [f64; BLOCK],
+}
+
+/// What is to be asked for while something else is in work: corner by corner, so that memory is never asked
+/// for more than it can bring.
+pub(super) struct Ahead<'a, P> {
+    block: &'a Block,
+    places: &'a [P],
+    next: usize,
+}
+
+impl<P: Located> Ahead<'_, P> {
+    /// Asks for the next corner.
+    #[inline(always)]
+    pub fn step<L: Store>(&mut self, reader: &PatchReader<'_, L>) {
+        let run = self.next / 3;
+        if run < self.block.runs {
+            reader.prefetch(self.places[usize::from(self.block.starts[run])].face(), self.next % 3);
+            self.next += 1;
+        }
+    }
+
+    /// Asks for all that is left.
+    #[inline(always)]
+    pub fn finish<L: Store>(&mut self, reader: &PatchReader<'_, L>) {
+        while self.next < 3 * self.block.runs {
+            self.step(reader);
+        }
+    }
 }
 
 impl Block {
@@ -120,6 +152,7 @@ pub(super) struct Worker<'a, L: Store> {
     corners: [(u64, CornerPieces<'a, L>); 3],
     /// By the index of a piece.
     pieces: Vec<Made<L::Vector>>,
+    spread: Spread<'a, L>,
     /// Faces are numbered as they come, from one: that of the first place in work.
     face: u64,
 }
@@ -129,13 +162,14 @@ impl<'a, L: Store> Worker<'a, L> {
     pub fn new(surface: &'a PlainLoop, store: L) -> Self {
         let reader = PatchReader::new(surface, store);
         let corners = [(0, reader.scratch()), (0, reader.scratch()), (0, reader.scratch())];
-        Self { store, surface, reader, blocks: [Block::EMPTY; 2], corners, pieces: Vec::new(), face: 1 }
+        let spread = Spread::new(reader, store);
+        Self { store, surface, reader, blocks: [Block::EMPTY; 2], corners, pieces: Vec::new(), spread, face: 1 }
     }
 
     /// Evaluates `places`; what has the same face should stand together. While one block is in work,
     /// memory is asked for what the next one needs: what is far away is then waited for hardly at all.
     #[inline(always)]
-    pub fn run(&mut self, places: &[impl Located], put: &mut impl Put) {
+    pub fn run<P: Located, Q: Put>(&mut self, places: &[P], put: &mut Q) {
         let irregular = self.surface.topology().irregular_count() > 0;
         let mut ahead = places.chunks(BLOCK);
         self.blocks[0].read(ahead.next().unwrap_or(&[]));
@@ -143,7 +177,11 @@ impl<'a, L: Store> Worker<'a, L> {
             let next = ahead.next().unwrap_or(&[]);
             self.blocks[(number + 1) % 2].read(next);
             if irregular && self.find_pieces(number, places) {
-                self.mixed(number, places, next, put);
+                if places.len() < Q::CROWDED * self.blocks[number % 2].runs {
+                    self.spread(number, places, next, put);
+                } else {
+                    self.crowded(number, places, next, put);
+                }
             } else {
                 self.regular(number, places, next, put);
             }
@@ -157,7 +195,9 @@ impl<'a, L: Store> Worker<'a, L> {
     fn prefetch(&self, run: usize, number: usize, places: &[impl Located]) {
         let block = &self.blocks[number % 2];
         if run < block.runs {
-            self.reader.prefetch(places[usize::from(block.starts[run])].face());
+            for corner in 0..3 {
+                self.reader.prefetch(places[usize::from(block.starts[run])].face(), corner);
+            }
         }
     }
 
@@ -196,9 +236,26 @@ impl<'a, L: Store> Worker<'a, L> {
         }
     }
 
-    /// Evaluates a block of any faces, of which the pieces are found.
+    /// Evaluates a block of any faces, many of them, of which the pieces are found.
     #[inline(always)]
-    fn mixed(&mut self, number: usize, places: &[impl Located], next: &[impl Located], put: &mut impl Put) {
+    fn spread<P: Located>(&mut self, number: usize, places: &[P], next: &[P], put: &mut impl Put) {
+        let first = BLOCK * number;
+        let ahead = Ahead { block: &self.blocks[(number + 1) % 2], places: next, next: 0 };
+        self.spread.make(&self.blocks[number % 2], places, ahead);
+        let block = &self.blocks[number % 2];
+        for i in 0..places.len().min(BLOCK) {
+            if i < next.len() {
+                put.prefetch(first + BLOCK + i);
+            }
+            let quartic = self.spread.quartic(i);
+            put.put(first + i, self.jet(quartic, block.piece_s[i], block.piece_t[i], block.scale[i]));
+        }
+    }
+
+    /// Evaluates a block of any faces, few of them, of which the pieces are found. Polynomials serve the
+    /// following blocks, too.
+    #[inline(always)]
+    fn crowded(&mut self, number: usize, places: &[impl Located], next: &[impl Located], put: &mut impl Put) {
         let first = BLOCK * number;
         for (i, place) in places.iter().enumerate().take(BLOCK) {
             self.prefetch(i, number + 1, next);
