@@ -89,12 +89,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// The rules that lead from `coarse` to `fine`, which is a refinement of it.
-    pub fn new(surface: &LoopSurface, corners: &CornerTable, coarse: &LevelMesh, fine: &LevelMesh) -> Self {
-        Self::of(surface, corners, coarse, fine, 0..fine.vertices.len() as u32)
-    }
-
-    /// The rules that make the vertices of `range` of `fine` alone: a part of those of [`Self::new`].
+    /// The rules that make the vertices of `range` of `fine`, which is a refinement of `coarse`.
     pub fn of(
         surface: &LoopSurface,
         corners: &CornerTable,

@@ -17,7 +17,7 @@ fn parts<R: Send>(range: Range<u32>, of: impl Fn(Range<u32>) -> R + Sync + Send)
     })
 }
 
-/// As [`Step::new`].
+/// The rules that lead from `coarse` to `fine`, which is a refinement of it.
 pub fn step(surface: &LoopSurface, corners: &CornerTable, coarse: &LevelMesh, fine: &LevelMesh) -> Step {
     let mut step = Step::default();
     extend_step(&mut step, surface, corners, [coarse, fine], 0..fine.vertices.len() as u32);

@@ -27,6 +27,7 @@ mod cusps;
 pub mod field;
 pub mod hints;
 pub mod junction;
+mod laid;
 pub mod leaves;
 pub mod other;
 pub mod path;
