@@ -60,6 +60,9 @@ pub struct Strung {
     knots: Vec<Slider>,
     /// By knot, the least gap to its neighbours.
     gaps: Vec<f64>,
+    /// By knot, its isosceles place, once that has been found: it does not depend on the neighbours, which
+    /// only say how near to it the knot may come.
+    tips: Vec<Option<f64>>,
     options: RelaxOptions,
 }
 
@@ -67,7 +70,8 @@ impl Strung {
     /// Knots to be relaxed.
     pub fn new(knots: Vec<Slider>, options: RelaxOptions) -> Self {
         let gaps = least_gaps(&knots, options);
-        Self { knots, gaps, options }
+        let tips = vec![None; knots.len()];
+        Self { knots, gaps, tips, options }
     }
 
     /// The knots as they stand.
@@ -96,8 +100,12 @@ impl Strung {
                 // Its neighbours have lost their order, which no list of parameters will take.
                 continue;
             }
-            let t = isosceles(curve, heading, old[i], base, [low, high]);
-            self.knots[i].t = (1.0 - self.options.step) * old[i] + self.options.step * t;
+            let tip = self.tips[i].unwrap_or_else(|| {
+                let (t, arrived) = isosceles(curve, heading, old[i], base, [before, after]);
+                self.tips[i] = arrived.then_some(t);
+                t
+            });
+            self.knots[i].t = (1.0 - self.options.step) * old[i] + self.options.step * tip.clamp(low, high);
         }
     }
 
@@ -115,18 +123,36 @@ impl Strung {
 /// Newton steps in a sweep: the next sweep goes on where this one stops.
 const NEWTON: u32 = 3;
 
-/// Steps from `t` towards the tip of an isosceles triangle over `q r`, between `low` and `high`.
-fn isosceles(curve: &dyn Curve, heading: Heading, mut t: f64, [q, r]: [DVec3; 2], [low, high]: [f64; 2]) -> f64 {
+/// A Newton step shorter than this part of the way between the neighbours has come to the tip: the one after
+/// it would be as short as its square.
+const ARRIVED: f64 = 1e-4;
+
+/// Steps from `t` towards the tip of an isosceles triangle over `q r`, between `low` and `high`. Tells
+/// whether that is where they have come to.
+fn isosceles(
+    curve: &dyn Curve,
+    heading: Heading,
+    mut t: f64,
+    [q, r]: [DVec3; 2],
+    [low, high]: [f64; 2],
+) -> (f64, bool) {
     let sign = if heading == Heading::Along { 1.0 } else { -1.0 };
     for _ in 0..NEWTON {
         let u = curve_parameter(curve, heading, t);
         let f = (0.5 * (q + r) - curve.position(u)).dot(q - r);
         let df = -sign * curve.derivative(u).dot(q - r);
         // A curve that runs across the rim edge has no isosceles place nearby.
-        let next = if df != 0.0 { t - f / df } else { t };
+        let next = if df != 0.0 { t - f / df } else { f64::NAN };
+        let before = t;
         t = if next.is_finite() { next.clamp(low, high) } else { t.clamp(low, high) };
+        if t == next && (t - before).abs() <= ARRIVED * (high - low) {
+            return (t, true);
+        }
+        if t == before {
+            break;
+        }
     }
-    t.clamp(low, high)
+    (t, false)
 }
 
 /// By knot, the least gap to its neighbours: a part of the gap that suits the rim beside it, for all
