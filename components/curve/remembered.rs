@@ -1,5 +1,6 @@
 //! A curve that remembers what it was asked.
 
+use core::hash::{BuildHasherDefault, Hasher};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -19,8 +20,26 @@ pub struct RememberedCurve {
     parts: Vec<Mutex<Known>>,
 }
 
-/// By the bits of parameters.
-type Answers = HashMap<u64, DVec3>;
+/// By the bits of parameters, spread.
+type Answers = HashMap<u64, DVec3, BuildHasherDefault<Spread>>;
+
+/// The hash of a key that is spread already.
+#[derive(Default)]
+struct Spread(u64);
+
+impl Hasher for Spread {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, _: &[u8]) {
+        // Keys are whole numbers.
+    }
+
+    fn write_u64(&mut self, key: u64) {
+        self.0 = key;
+    }
+}
 
 /// What is known on some parameters: positions, derivatives, and derivatives from the left.
 #[derive(Debug, Default)]
@@ -40,9 +59,12 @@ impl RememberedCurve {
     }
 
     fn ask(&self, kind: usize, u: f64, answer: impl FnOnce() -> DVec3) -> DVec3 {
-        let key = u.to_bits();
-        // Parameters of one hierarchy differ in high bits: a product carries all of them to the top. [Knuth]
-        let part = &self.parts[(key.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 58) as usize % PARTS];
+        // Parameters of one hierarchy differ in high bits: a product carries all of them to the top. It is odd,
+        // so no two parameters have the same. [Knuth]
+        let key = u.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let part = &self.parts[(key >> 58) as usize % PARTS];
+        // A table looks at the top bits, which all keys of a part share, and at the lowest.
+        let key = key.rotate_left(32);
         // A panic of the curve itself is never under the lock: what is kept is whole.
         let lock = || part.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(&known) = lock().0[kind].get(&key) {

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::address::Address;
 pub use crate::curve::Heading;
-use crate::curve::{CurveParameters, Traversal};
+use crate::curve::{CurveParameters, RememberedCurve, Traversal};
 use crate::mesh::{Connectivity, VertexId};
 
 /// A combined Loop subdivision surface with multiresolution details. [Litke et al. 2001, Section 2]
@@ -43,6 +43,26 @@ impl LoopSurface {
     pub fn plain(mesh: Arc<Connectivity>, points: Vec<DVec3>, corners: &[VertexId]) -> Self {
         let sides = plain_sides(&mesh, corners);
         Self { mesh, points, sides, corner_rule: CornerRule::default(), details: Details::default() }
+    }
+
+    /// The same surface, whose curves remember what they are asked: faces that meet at a border, the rings
+    /// of its vertices and one pass over it after the other ask for the same points. To be dropped before a
+    /// curve may change. See [`RememberedCurve`].
+    #[must_use]
+    pub fn remembering(&self) -> Self {
+        let mut surface = self.clone();
+        let mut known: Vec<(Arc<CurveParameters>, Arc<CurveParameters>)> = Vec::new();
+        for side in &mut surface.sides {
+            let Border::Given { curve, .. } = &mut side.border else { continue };
+            let same = known.iter().find(|(of, _)| Arc::ptr_eq(of, curve)).map(|(_, remembers)| Arc::clone(remembers));
+            let remembers = same.unwrap_or_else(|| {
+                let remembers = Arc::new(curve.over(Arc::new(RememberedCurve::new(Arc::clone(curve.curve())))));
+                known.push((Arc::clone(curve), Arc::clone(&remembers)));
+                remembers
+            });
+            *curve = remembers;
+        }
+        surface
     }
 }
 

@@ -27,6 +27,9 @@ use crate::target::Target;
 /// and nothing else.
 #[derive(Component, Debug)]
 pub struct FitWork {
+    /// What is fitted, as it was given.
+    given: Arc<LoopSurface>,
+    /// The same, whose curves remember what they are asked: one level asks for the points of the one before.
     pub(super) surface: Arc<LoopSurface>,
     pub(super) target: Arc<dyn Target>,
     pub(super) options: FitOptions,
@@ -53,6 +56,8 @@ impl FitWork {
     /// When the options cannot be met or the surface is not finite.
     pub fn new(surface: Arc<LoopSurface>, target: Arc<dyn Target>, options: FitOptions) -> Result<Self, FitError> {
         check_options(&surface, &options)?;
+        let given = Arc::clone(&surface);
+        let surface = Arc::new(surface.remembering());
         let corners = CornerTable::new(&surface);
         let details = surface.details.clone();
         if let Some(v) = surface.points.iter().position(|p| !p.is_finite()) {
@@ -61,6 +66,7 @@ impl FitWork {
         let level = first_level(&surface)?;
         let opening = Opening::new(level, region::whole(&surface.mesh, level));
         Ok(Self {
+            given,
             surface,
             target,
             options,
@@ -148,7 +154,7 @@ impl FitWork {
 
     /// What is being fitted.
     pub fn surface(&self) -> &Arc<LoopSurface> {
-        &self.surface
+        &self.given
     }
 
     /// The points measured at the level in work and their distances to the target, for pictures:

@@ -34,8 +34,7 @@ mod vertices;
 use std::sync::Arc;
 
 use selvedge_components::budget::Budgets;
-use selvedge_components::curve::{CurveParameters, RememberedCurve};
-use selvedge_components::subdivision::{Border, FaceCode, LoopSurface};
+use selvedge_components::subdivision::{FaceCode, LoopSurface};
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::triangles::Triangles;
 pub use selvedge_components::triangulation::{
@@ -105,31 +104,13 @@ struct Subject {
 impl Subject {
     fn new(surface: &LoopSurface) -> Result<Self, TriangulateError> {
         // A copy of the control points and details: little beside the triangles they make.
-        let surface = Arc::new(remembering(surface));
+        let surface = Arc::new(surface.remembering());
         Ok(Self {
             limit: LimitSurface::new(Arc::clone(&surface)).map_err(unreadable)?,
             reach: Reach::new(&surface.mesh, &surface.details),
             surface,
         })
     }
-}
-
-/// The same surface, whose curves remember what they are asked: faces that meet at a border, the rings
-/// of its vertices and one pass after the other ask for the same points.
-fn remembering(surface: &LoopSurface) -> LoopSurface {
-    let mut surface = surface.clone();
-    let mut known: Vec<(Arc<CurveParameters>, Arc<CurveParameters>)> = Vec::new();
-    for side in &mut surface.sides {
-        let Border::Given { curve, .. } = &mut side.border else { continue };
-        let same = known.iter().find(|(of, _)| Arc::ptr_eq(of, curve)).map(|(_, remembers)| Arc::clone(remembers));
-        let remembers = same.unwrap_or_else(|| {
-            let remembers = Arc::new(curve.over(Arc::new(RememberedCurve::new(Arc::clone(curve.curve())))));
-            known.push((Arc::clone(curve), Arc::clone(&remembers)));
-            remembers
-        });
-        *curve = remembers;
-    }
-    surface
 }
 
 fn unreadable(why: LimitError) -> TriangulateError {

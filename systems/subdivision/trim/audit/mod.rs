@@ -69,7 +69,8 @@ impl TrimAuditWork {
         allowed: Option<f64>,
         options: &TrimOptions,
     ) -> Result<Self, TrimFault> {
-        let build = LimitBuild::new(Arc::clone(&surface)).map_err(|why| unevaluated(&why))?;
+        // Borders are compared with the curves of the surface itself, not with what is remembered of them.
+        let build = LimitBuild::new(Arc::new(surface.remembering())).map_err(|why| unevaluated(&why))?;
         let given = Given { ground, remeshed, allowed, samples: options.samples, seed: options.seed };
         Ok(Self { surface, stage: Stage::Prepare(Box::new(build), given), found: TrimAudit::default() })
     }
