@@ -39,6 +39,8 @@ pub struct LevelMesh {
     pub vertices: Vec<LevelVertex>,
     /// The vertices on a given border, ascending by vertex.
     pub given: Vec<GivenVertex>,
+    /// Those of `vertices` that are special corners, ascending.
+    special: Vec<u32>,
     twins: Vec<u32>,
     borders: Vec<u32>,
     border_edges: Vec<BorderEdge>,
@@ -146,6 +148,7 @@ impl LevelMesh {
             corners: mesh.faces().iter().map(|f| f.map(|v| v.0)).collect(),
             vertices: Vec::with_capacity(mesh.vertex_count()),
             given: Vec::new(),
+            special: Vec::new(),
             twins: (0..halfedges).map(twin).collect(),
             borders,
             border_edges,
@@ -155,13 +158,15 @@ impl LevelMesh {
             let id = crate::mesh::VertexId::new(v);
             let start = mesh.outgoing(id).0;
             let kind = level.root_kind(surface, mesh, id);
+            let corner = corners.of(id);
+            level.special.extend((corner != NONE).then_some(v as u32));
             level.vertices.push(LevelVertex {
                 start,
                 valence: mesh.valence(id),
                 kind,
                 ring: RingState::Whole,
                 origin: Origin::Root,
-                corner: corners.of(id),
+                corner,
             });
         }
         level
@@ -261,6 +266,13 @@ impl LevelMesh {
         })
     }
 
+    /// Is a neighbour of an interior vertex a special corner?
+    ///
+    /// There are few of them: to look their names up costs less than to visit all neighbours.
+    pub fn is_beside_special(&self, v: u32) -> bool {
+        !self.special.is_empty() && self.ring(v).any(|h| self.special.binary_search(&self.to(h)).is_ok())
+    }
+
     /// The neighbours of a vertex whose ring is whole, counter-clockwise; on a border from the next
     /// border vertex to the previous one.
     pub fn neighbours(&self, v: u32) -> impl Iterator<Item = u32> + '_ {
@@ -319,6 +331,7 @@ impl LevelMesh {
             corners: Vec::with_capacity(4 * faces.len()),
             vertices: Vec::new(),
             given: Vec::new(),
+            special: Vec::new(),
             twins: vec![NONE; 12 * faces.len()],
             borders: vec![NONE; 12 * faces.len()],
             border_edges: Vec::new(),
@@ -376,6 +389,7 @@ impl LevelMesh {
             let g = family[h as usize / 3];
             let start = if g == NONE { NONE } else { 3 * (4 * g + h % 3) + h % 3 };
             let origin = Origin::Vertex(v as u32);
+            finer.special.extend((self.vertices[v].corner != NONE).then_some(*name));
             finer.vertices.push(LevelVertex { start, origin, ring: RingState::Whole, ..self.vertices[v] });
         }
         let mut of_edge = vec![NONE; self.twins.len()];

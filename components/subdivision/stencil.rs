@@ -9,7 +9,7 @@ use core::ops::Range;
 use glam::DVec3;
 
 use super::corner::{CornerTable, LATTICE_WEIGHT, Pull, SpecialCorner};
-use super::level::{Kind, LevelMesh, NONE, Origin, RingState, sample};
+use super::level::{Kind, LevelMesh, Origin, RingState, sample};
 use super::masks;
 use super::surface::LoopSurface;
 
@@ -258,7 +258,7 @@ impl LimitRows {
             }
             limit.vertices.push(v);
             match vertex.kind {
-                Kind::Interior if mesh.ring(v).any(|h| mesh.vertices[mesh.to(h) as usize].corner != NONE) => {
+                Kind::Interior if mesh.is_beside_special(v) => {
                     limit.push_beside_corner(surface, corners, mesh, v);
                 }
                 Kind::Interior => {
@@ -274,6 +274,29 @@ impl LimitRows {
             }
         }
         limit
+    }
+
+    /// The limit positions of `vertices`, which ascend and have masks: the bits of the rows of [`Self::of`]
+    /// applied to `state`, without the rows.
+    pub fn points(
+        surface: &LoopSurface,
+        corners: &CornerTable,
+        mesh: &LevelMesh,
+        state: &LevelState,
+        vertices: &[u32],
+    ) -> Vec<DVec3> {
+        let at = |v: u32| state.effective[v as usize];
+        let point = |&v: &u32| {
+            let vertex = mesh.vertices[v as usize];
+            if vertex.kind == Kind::Interior && !mesh.is_beside_special(v) {
+                let omega = masks::limit_weight(vertex.valence);
+                let own = 1.0 - f64::from(vertex.valence) * omega;
+                mesh.ring(v).fold(DVec3::ZERO + own * at(v), |sum, h| sum + omega * at(mesh.to(h)))
+            } else {
+                Self::of(surface, corners, mesh, [v]).apply(state).first().copied().unwrap_or(DVec3::NAN)
+            }
+        };
+        vertices.iter().map(point).collect()
     }
 
     /// Has `v` a mask: is its ring whole, and it not on a given border?

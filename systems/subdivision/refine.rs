@@ -21,7 +21,7 @@ use crate::parallel::{map_dear_in_order, map_in_order};
 /// Closest points per work quantum.
 const QUANTUM: usize = 4096;
 
-/// Points whose limit rows are made together.
+/// Points that are measured together.
 const PART: usize = 64;
 
 /// The true maximum may exceed the one over 15 points by some 5 to 10 %: patches pass below this
@@ -56,8 +56,8 @@ impl FitWork {
         let Level { mesh, state } = &open.levels[2];
         let parts = map_dear_in_order((end - begin).div_ceil(PART), |i| {
             let part = begin + i * PART..end.min(begin + (i + 1) * PART);
-            let rows = LimitRows::of(surface, corners, mesh, open.tested[part.clone()].iter().copied());
-            let found = rows.apply(state).into_iter().zip(part).map(|(x, row)| {
+            let points = LimitRows::points(surface, corners, mesh, state, &open.tested[part.clone()]);
+            let found = points.into_iter().zip(part).map(|(x, row)| {
                 let natural = || natural.place(&surface.mesh, mesh, open.tested[row]);
                 let hint = open.test_hints.get(row).copied().unwrap_or_else(natural);
                 Ok((x, target.closest(x, hint)?))
