@@ -33,21 +33,18 @@ impl Measuring {
         for _ in 0..self.samples {
             let weights = draw.weights();
             let x = result.position(result.root(), weights);
-            let mut off = f64::INFINITY;
-            if let Some((level, code, source)) = &mut source {
-                off = x.distance(position(source, code.place(*level, weights)));
-            }
-            // The place with the same weights is no nearer than the foot.
+            // The place with the same weights is no nearer than the foot, either way.
+            let y = source.as_mut().map(|(level, code, source)| position(source, code.place(*level, weights)));
+            let apart = y.map_or(f64::INFINITY, |y| x.distance(y));
+            let mut off = apart;
             if !is_within(off, found.to_source) {
                 off = self.to_source(self.start(face, origin, weights), x, found.to_source);
             }
             farther(&mut found, &TrimAudit { to_source: off, to_source_at: x, samples: 1, ..TrimAudit::default() });
-            if let Some((level, code, source)) = &mut source {
-                let aside = draw.weights_near(weights);
-                let y = position(source, code.place(*level, aside));
-                let mut off = y.distance(result.position(result.root(), aside));
+            if let Some(y) = y {
+                let mut off = apart;
                 if !is_within(off, found.to_result) {
-                    off = self.to_result(SurfacePoint::new(face, aside[1], aside[2]), y, found.to_result);
+                    off = self.to_result(SurfacePoint::new(face, weights[1], weights[2]), y, found.to_result);
                 }
                 farther(&mut found, &TrimAudit { to_result: off, to_result_at: y, samples: 1, ..TrimAudit::default() });
             }
@@ -138,11 +135,5 @@ impl Draw {
             (s, t) = (1.0 - s, 1.0 - t);
         }
         [1.0 - s - t, s, t]
-    }
-
-    /// Other weights, a little aside: a place of the source that is no foot of the first.
-    fn weights_near(&mut self, weights: [f64; 3]) -> [f64; 3] {
-        let other = self.weights();
-        [0, 1, 2].map(|c| 0.9 * weights[c] + 0.1 * other[c])
     }
 }
