@@ -10,7 +10,7 @@ use draw::{Draw, add_details, ball, disc};
 use glam::{DVec2, DVec3};
 use selvedge_components::curve::Heading;
 use selvedge_components::evaluate::{Evaluate, Jet, SurfacePoint};
-use selvedge_components::mesh::FaceId;
+use selvedge_components::mesh::{FaceId, HalfedgeId};
 use selvedge_components::subdivision::{FaceCode, LoopSurface};
 use selvedge_components::target::Target;
 use selvedge_systems::closest::{Closest, ClosestError, IndexError, Search, SurfaceIndex, SurfaceTarget, Walk};
@@ -248,5 +248,31 @@ fn a_surface_is_its_own_best_fit() {
     work.run().expect("every point has a closest one");
     for rung in work.ladder() {
         assert!(rung.max < 1e-13, "level {}: {:e}", rung.level, rung.max);
+    }
+}
+
+/// Where the coordinates of a place on a border sum to 1 and their differences do not, the search gets away
+/// from where it begins all the same.
+#[test]
+fn points_of_a_border_are_found_on_it() {
+    for (name, surface) in surfaces() {
+        let mesh = Arc::clone(&surface.mesh);
+        let index = index(surface);
+        let on_border = |h: &HalfedgeId| mesh.twin(*h).is_none();
+        let border = (0..3 * mesh.face_count()).map(HalfedgeId::new).filter(on_border);
+        for h in border {
+            for k in 0..=97 {
+                let share = f64::from(k) / 97.0;
+                let mut weights = [0.0; 3];
+                (weights[h.corner()], weights[(h.corner() + 1) % 3]) = (1.0 - share, share);
+                let on = index.surface().position(SurfacePoint::new(h.face(), weights[1], weights[2]));
+                // A little aside, as a sum in another order would give it.
+                for aside in [0.0, 1e-16, -1e-16] {
+                    let sought = on + DVec3::splat(aside);
+                    let found = index.closest(sought).expect("finite").distance;
+                    assert!(found <= 1e-12, "{name}: {found:e} from {on}");
+                }
+            }
+        }
     }
 }

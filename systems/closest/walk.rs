@@ -55,7 +55,9 @@ impl Spot {
         let inside = |x: f64| if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
         let (s, t) = (inside(at.st.x), inside(at.st.y));
         let sum = s + t;
-        let weights = if sum > 1.0 { [0.0, s / sum, t / sum] } else { [1.0 - s - t, s, t] };
+        // The sum may round to 1 where the difference is below 0, and a weight below 0 would keep every step from
+        // leaving.
+        let weights = if sum > 1.0 { [0.0, s / sum, t / sum] } else { [(1.0 - s - t).max(0.0), s, t] };
         Self { face: at.face, weights }
     }
 
