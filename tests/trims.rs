@@ -353,3 +353,37 @@ fn a_meridian_of_a_torus_does_not_separate_it() {
     assert!(plate.result().is_none());
     assert_eq!(plate.details(), 0);
 }
+
+/// Beside a corner of the plate two curved sides are divided, and both have a sample there; the detail of
+/// the corner is one all the same, and what is put together of parts is as near as the parts were.
+#[test]
+fn a_result_is_as_near_as_its_parts_were_at_a_corner_of_two_sides() {
+    let surface = wide_plate(16);
+    let limit = Arc::new(LimitSurface::new(Arc::new(surface.clone())).expect("sound"));
+    let source = SurfaceIndex::new(limit).expect("finite");
+    for (x, y) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+        let mut plate = Plate::of(surface.clone());
+        let centre = DVec2::new(x, y) * (0.4 - 0.057);
+        let curve = spawn_curve(&mut plate.world, circle(&plate.surface, centre, 0.028));
+        let bore = [(curve, Heading::Against)];
+        let (fine, options) = (Some(Tolerance::total(2e-6)), TrimOptions::default());
+        let trim = spawn_trim(&mut plate.world, plate.source, &bore, fine, options);
+        plate.settle();
+        let audited = plate.report(trim).audit.greatest().0;
+        let result = plate.result().expect("a result");
+        assert_eq!(result.details.count(), plate.report(trim).details, "one detail at each address");
+        let trimmed = LimitSurface::new(Arc::new(result.clone())).expect("sound");
+        let steps = || (0..=8).flat_map(|i| (0..=8 - i).map(move |j| [i, j].map(|k| f64::from(k) / 8.0)));
+        let near = (0..trimmed.face_count()).map(FaceId::new).filter(|&face| {
+            let middle = trimmed.position(SurfacePoint::new(face, 1.0 / 3.0, 1.0 / 3.0));
+            middle.truncate().distance(centre) < 0.2
+        });
+        for face in near {
+            for [s, t] in steps() {
+                let at = trimmed.position(SurfacePoint::new(face, s, t));
+                let off = source.closest(at).expect("finite").distance;
+                assert!(off <= 1.1 * audited, "{off:e} at {at}, where {audited:e} was found");
+            }
+        }
+    }
+}

@@ -34,6 +34,17 @@ pub(super) struct Sides {
     pub touched: Vec<VertexId>,
 }
 
+impl Sides {
+    /// Does one of the given sides so far end at `v`? It gives the sample there, and the detail with it.
+    fn ends_at(&self, v: VertexId) -> bool {
+        let is_given = |side: &&Side| side.ends == Ends::Corners && matches!(side.border, Border::Given { .. });
+        self.sides
+            .iter()
+            .filter(is_given)
+            .any(|side| side.vertices.first() == Some(&v) || side.vertices.last() == Some(&v))
+    }
+}
+
 /// What a border edge belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Owner {
@@ -378,7 +389,7 @@ fn source_side(
             let steps = (place.x * (1_u64 << level) as f64).round() as u64;
             sample_at(side, level, steps)
         });
-        if before != Some(sample) {
+        if before != Some(sample) && !out.ends_at(v) {
             out.touched.push(v);
             out.details.push((v, sample - work.adapted.vertices[l as usize].point));
         }
