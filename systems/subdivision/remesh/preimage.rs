@@ -303,9 +303,9 @@ impl Tracer<'_> {
         self.at(outside, near)
     }
 
-    /// The curve's own parameter of one that may run on beyond 1.
+    /// The curve's own parameter of one that may run on to 1 and beyond.
     fn own(&self, u: f64) -> f64 {
-        if self.curve.closed() && u > 1.0 { u - 1.0 } else { u }
+        if self.curve.closed() && u >= 1.0 { u - 1.0 } else { u }
     }
 
     fn at(&self, counted: f64, hint: Option<SurfacePoint>) -> Result<PathPoint, PreImageError> {

@@ -119,7 +119,8 @@ impl Track {
             if !p.position.is_finite() {
                 return Err(PreImageError::NotFinite { u: p.u, at: p.position });
             }
-            let u = if p.u > 1.0 { p.u - 1.0 } else { p.u };
+            // A part of a closed curve may run on to its beginning, where it may have a corner, and beyond.
+            let u = if cut.curve.closed() && p.u >= 1.0 { p.u - 1.0 } else { p.u };
             let legs = if closed || i + 1 < count {
                 let next = order[(i + 1) % count];
                 let reason = "the next point lies in a face that does not meet this one's";
