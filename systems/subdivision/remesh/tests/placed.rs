@@ -75,7 +75,9 @@ impl Plate {
 }
 
 /// What kind an error is, and where it says to be: curves, parameters, and one point for all.
-fn told(why: &RemeshError) -> Option<(&'static str, Vec<(usize, f64)>, DVec3)> {
+type Told = (&'static str, Vec<(usize, f64)>, DVec3);
+
+fn told(why: &RemeshError) -> Option<Told> {
     Some(match why {
         RemeshError::TooFine { curve, u, at, .. } => ("too fine", vec![(*curve, *u)], *at),
         RemeshError::Unresolved { curve, u, at, .. } => ("unresolved", vec![(*curve, *u)], *at),
