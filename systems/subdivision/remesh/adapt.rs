@@ -128,16 +128,8 @@ fn follow(
             let turns = is_sharp && arc > TOUCHES * edge;
             if bends || turns || options.pieces * edge > length {
                 if level == limit {
-                    let p = &track.points[run[0].segment as usize];
                     let what = if bends || turns { BENDS } else { SHORT };
-                    return Err(RemeshError::TooFine {
-                        what,
-                        size: edge,
-                        limit,
-                        curve: p.curve as usize,
-                        u: p.u,
-                        at: p.position,
-                    });
+                    return Err(too_fine(track, run[0].segment, what, limit, edge));
                 }
                 split.push(run[0].code);
                 run.iter().for_each(|v| asked[v.segment as usize] = Asked { level: level + 1, edge: 0.5 * edge });
@@ -148,6 +140,11 @@ fn follow(
         open = Some(split);
     }
     Ok(asked)
+}
+
+fn too_fine(track: &Track, segment: u32, what: &'static str, limit: u32, size: f64) -> RemeshError {
+    let p = &track.points[segment as usize];
+    RemeshError::TooFine { what, size, limit, curve: p.curve as usize, u: p.u, at: p.position }
 }
 
 /// What a cage cannot follow.
