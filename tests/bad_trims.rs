@@ -9,11 +9,13 @@ use std::sync::Arc;
 use bevy_ecs::entity::Entity;
 use glam::{DVec2, DVec3};
 use selvedge::curve::{Curve, CurveError, CurveFault, FnCurve, Heading, Polyline, Segment};
+use selvedge::evaluate::{Evaluate, SurfacePoint};
 use selvedge::subdivision::remesh::{PreImageError, RemeshError};
 use selvedge::subdivision::{DetailOf, LoopSurface};
 use selvedge::tolerance::Tolerance;
 use selvedge::trim::{TrimFailed, TrimFault, TrimOptions};
 use selvedge::{Engine, TrimProgress};
+use selvedge_systems::subdivision::limit::LimitSurface;
 use support::plate::{TOLERANCE, circle, laid, plate, tolerance};
 use support::world::bits;
 
@@ -65,6 +67,23 @@ fn on_plate(of: &LoopSurface, plane: impl Fn(f64) -> DVec2 + Send + Sync + 'stat
 
 fn eight(u: f64) -> DVec2 {
     DVec2::new(0.013 + 0.12 * (TAU * u).sin(), 0.007 + 0.06 * (2.0 * TAU * u).sin())
+}
+
+/// The border of a plate, all of it.
+fn along_border(of: &LoopSurface) -> Arc<dyn Curve> {
+    let (limit, mesh) = (LimitSurface::new(Arc::new(of.clone())).expect("sound"), Arc::clone(&of.mesh));
+    let border = mesh.border_loops()[0].clone();
+    let n = border.len();
+    let corners = (0..n).filter(|&i| mesh.valence(border[i]) < 4).map(|i| i as f64 / n as f64).collect();
+    let at = move |u: f64| {
+        let x = u * n as f64;
+        let i = (x.floor() as usize).min(n - 1);
+        let h = mesh.outgoing(border[i]);
+        let mut weights = [0.0; 3];
+        (weights[h.corner()], weights[h.next().corner()]) = (1.0 - (x - i as f64), x - i as f64);
+        limit.position(SurfacePoint::new(h.face(), weights[1], weights[2]))
+    };
+    Arc::new(FnCurve::new(at).closed().with_corners(corners))
 }
 
 type Refused = fn(&TrimFault) -> bool;
@@ -152,6 +171,10 @@ fn cases() -> Vec<Case> {
             fine,
             |why| matches!(why, TrimFault::Misses { curve: 0, distance, at, limit, .. } if *distance > 0.5 && at.x > 0.9 && *limit == TOLERANCE),
         ),
+        ("runs along the border", along_border, fine, |why| {
+            matches!(why, TrimFault::Remesh(RemeshError::AlongBorder { curve: 0, at, angle, .. })
+                if at.truncate().abs().max_element() > 0.19 && *angle < 1e-3)
+        }),
         (
             "lies above the surface",
             |of| {

@@ -301,3 +301,27 @@ fn tangents_do_not_depend_on_the_level_they_are_read_from() {
         }
     }
 }
+
+/// The first octahedra of a row are evaluated to the same bits however long the row is.
+#[test]
+fn a_face_is_evaluated_to_the_same_bits_however_many_there_are_beyond_it() {
+    const FACES: [[u32; 3]; 8] =
+        [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
+    const AXES: [DVec3; 6] = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
+    let row = |count: u32| {
+        let points = (0..count).flat_map(|k| AXES.map(|a| 0.3 * a + f64::from(k) * DVec3::new(0.7, 0.1, 0.0)));
+        let faces: Vec<[u32; 3]> = (0..count).flat_map(|k| FACES.map(|f| f.map(|v| v + 6 * k))).collect();
+        LimitSurface::new(Arc::new(support::plain(points.collect(), &faces))).expect("sound")
+    };
+    let (short, long) = (row(2), row(5000));
+    let mut draw = Draw(5);
+    for face in (0..16).map(FaceId::new) {
+        for _ in 0..50 {
+            let (s, t) = (draw.unit(), draw.unit());
+            let at =
+                if s + t > 1.0 { SurfacePoint::new(face, 1.0 - s, 1.0 - t) } else { SurfacePoint::new(face, s, t) };
+            let [a, b] = [&short, &long].map(|limit| limit.position(at).to_array().map(f64::to_bits));
+            assert_eq!(a, b, "{at:?}");
+        }
+    }
+}

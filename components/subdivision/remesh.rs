@@ -155,9 +155,16 @@ pub enum RemeshError {
         /// A curve of the newest set that is in the way, by index.
         curve: usize,
     },
-    /// The cage would have to be finer than faces can be addressed, or than was allowed.
-    #[error("the cage would have to be finer than level {limit} at {at} (curve {curve}, u = {u})")]
+    /// The cage would have to be finer than was allowed, or than faces can be addressed. What bends as
+    /// sharply may be a corner of the curve instead; a source of smaller faces has smaller ones there.
+    #[error(
+        "the cage would have to be finer than level {limit} at {at} (curve {curve}, u = {u}), where its faces are {size:e} wide: {what}"
+    )]
     TooFine {
+        /// What they cannot follow.
+        what: &'static str,
+        /// How wide faces of the finest level are there, in model units.
+        size: f64,
         /// The finest level.
         limit: u32,
         /// The curve that asks for it, by index.

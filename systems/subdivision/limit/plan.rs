@@ -33,7 +33,11 @@ enum Part {
 /// found and not made anew for each point.
 const EXTRA_LEVELS: usize = 4;
 
-/// ... as long as a level keeps no more faces than this for it: some 30 MB.
+/// ... and of a level the children of the first faces alone, no more than this for it: some 30 MB.
+///
+/// Both ways of evaluation agree to rounding, not to the bit, so which one a face has must not depend on
+/// how many faces there are elsewhere. What a trim leaves alone comes first in its result, in the order that
+/// it had.
 const MOST_EXTRA: usize = 1 << 17;
 
 impl Plan {
@@ -136,7 +140,8 @@ fn irregular_faces(mesh: &Connectivity) -> Vec<Vec<FaceCode>> {
     });
     let mut faces: Vec<Irregular> = root.filter(Irregular::is_one).collect();
     let mut levels = Vec::new();
-    while levels.len() < EXTRA_LEVELS && !faces.is_empty() && 4 * faces.len() <= MOST_EXTRA {
+    while levels.len() < EXTRA_LEVELS && !faces.is_empty() {
+        faces.truncate(MOST_EXTRA / 4);
         levels.push(faces.iter().map(|f| f.code).collect());
         faces = faces.iter().flat_map(|f| (0..4).map(|c| f.child(c))).filter(Irregular::is_one).collect();
     }

@@ -44,12 +44,12 @@ pub struct AdaptOptions {
 
 impl Default for AdaptOptions {
     fn default() -> Self {
-        Self { bend: 0.01, near: 1.2, pieces: 3.0, alike: 16.0, base: 0, finest: 12, most_faces: 1 << 22 }
+        Self { bend: 0.01, near: 1.2, pieces: 3.0, alike: 16.0, base: 0, finest: 14, most_faces: 1 << 22 }
     }
 }
 
 /// Leaves that suit all curves of `track`. `least` asks for a level where rule 1 finds less, by
-/// segment.
+/// segment; for none beyond [`finest`].
 ///
 /// # Errors
 /// [`RemeshError::TooFine`], [`RemeshError::TooManyFaces`].
@@ -60,15 +60,12 @@ pub fn adapt(
     options: &AdaptOptions,
     least: &[u32],
 ) -> Result<Leaves, RemeshError> {
-    let limit = options.finest.min(FaceCode::finest(surface.mesh.face_count()).saturating_sub(2));
+    let limit = finest(surface, options);
     let mut leaves = Leaves::uniform(&surface.mesh, options.base.min(limit));
     let pieces = Pieces::new(track);
     let asked = follow(surface, corners, track, &pieces, options, limit)?;
     let levels = pieces.alike(track, &asked, options);
-    let finest: Vec<u32> = levels.into_iter().zip(least).map(|(level, &least)| level.max(least)).collect();
-    if let Some(s) = finest.iter().position(|&l| l > limit) {
-        return Err(too_fine(track, limit, s as u32));
-    }
+    let finest: Vec<u32> = levels.into_iter().zip(least).map(|(level, &least)| level.max(least).min(limit)).collect();
     let deepest = finest.iter().copied().max().unwrap_or(0);
     for level in options.base..deepest {
         for code in near(surface, corners, track, options, &leaves, level, &finest) {
@@ -83,9 +80,9 @@ pub fn adapt(
     Ok(leaves)
 }
 
-fn too_fine(track: &Track, limit: u32, segment: u32) -> RemeshError {
-    let p = &track.points[segment as usize];
-    RemeshError::TooFine { limit, curve: p.curve as usize, u: p.u, at: p.position }
+/// The finest level that a cage may have: as far as its faces can be addressed.
+pub fn finest(surface: &LoopSurface, options: &AdaptOptions) -> u32 {
+    options.finest.min(FaceCode::finest(surface.mesh.face_count()).saturating_sub(2))
 }
 
 /// What a segment of a track asks for by itself.
@@ -107,8 +104,9 @@ fn follow(
 ) -> Result<Vec<Asked>, RemeshError> {
     let mut asked = vec![Asked { level: options.base, edge: 0.0 }; track.points.len()];
     let mut open: Option<Vec<FaceCode>> = None;
+    let mut within = vec![true; track.points.len()];
     for level in options.base..=limit {
-        let mut visits = track.visits(level);
+        let mut visits = track.visits(level, |segment| within[segment as usize]);
         if let Some(open) = &open {
             visits.retain(|v| open.binary_search(&v.code.parent()).is_ok());
         }
@@ -130,16 +128,30 @@ fn follow(
             let turns = is_sharp && arc > TOUCHES * edge;
             if bends || turns || options.pieces * edge > length {
                 if level == limit {
-                    return Err(too_fine(track, limit, run[0].segment));
+                    let what = if bends || turns { BENDS } else { SHORT };
+                    return Err(too_fine(track, run[0].segment, what, limit, edge));
                 }
                 split.push(run[0].code);
                 run.iter().for_each(|v| asked[v.segment as usize] = Asked { level: level + 1, edge: 0.5 * edge });
             }
         }
-        open = Some(super::super::region::ascending(split));
+        let split = super::super::region::ascending(split);
+        within = track.having(&visits, |v| split.binary_search(&v.code).is_ok());
+        open = Some(split);
     }
     Ok(asked)
 }
+
+fn too_fine(track: &Track, segment: u32, what: &'static str, limit: u32, size: f64) -> RemeshError {
+    let p = &track.points[segment as usize];
+    RemeshError::TooFine { what, size, limit, curve: p.curve as usize, u: p.u, at: p.position }
+}
+
+/// What a cage cannot follow.
+const BENDS: &str = "the curve bends too sharply for them, and has no corner there";
+
+/// See [`BENDS`].
+const SHORT: &str = "a piece of the curve between two corners or crossings is too short for them";
 
 /// A curve that touches a face by less than this part of its size is the business of the faces
 /// beside it; where it runs through a vertex it may touch some by a rounding error.
@@ -291,7 +303,7 @@ fn near(
     let field = Field::new(surface, corners, level, &existing);
     let mesh = &field.level.mesh;
     let wanted = |segment: u32| finest[segment as usize] > level;
-    let visits = track.visits(level).into_iter().filter(|v| wanted(v.segment));
+    let visits = track.visits(level, wanted).into_iter();
     let seeds: Vec<(u32, u32)> = visits.filter_map(|v| Some((mesh.find(v.code)?, v.segment))).collect();
     let near = spread(track, &mesh.corners, &field.limit, seeds.iter().copied(), wanted);
     let mut split: Vec<FaceCode> = seeds.iter().map(|&(face, _)| mesh.codes[face as usize]).collect();

@@ -58,7 +58,7 @@ pub fn arrange(
     let curves = Track::new(mesh, cuts, preimages).map_err(|(curve, source)| pre_image(curve, source))?;
     cusps::check(&curves, cuts, options)?;
     let ways = Ways::new(&curves, mesh.face_count());
-    let crossings = crossing::find(&curves, &ways).map_err(|source| {
+    let crossings = crossing::find(&curves, cuts, &ways).map_err(|source| {
         pre_image(if let PreImageError::Crossing { curves, .. } = &source { curves[0] } else { 0 }, source)
     })?;
     let meetings =
@@ -81,7 +81,7 @@ pub fn arrange(
         junctions: Vec::new(),
         track: Track::default(),
     };
-    let chains = chains(&curves, &kept, meetings.len())?;
+    let chains = chains(&curves, &kept, &meetings)?;
     let contours: Vec<Contour> = chains.iter().map(|chain| built.contour(chain)).collect::<Result<_, _>>()?;
     let of_span = |span: &Span| other.and_then(|other| other.parameters(cuts, span));
     let given = contours.iter().map(|contour| contour.spans.iter().map(of_span).collect()).collect();
@@ -91,13 +91,13 @@ pub fn arrange(
 }
 
 /// Puts the stretches that stay one after the other, from junction to junction.
-fn chains<'a>(track: &Track, kept: &[&'a Stretch], junctions: usize) -> Result<Vec<Vec<&'a Stretch>>, RemeshError> {
+fn chains<'a>(track: &Track, kept: &[&'a Stretch], meetings: &[Meeting]) -> Result<Vec<Vec<&'a Stretch>>, RemeshError> {
     let tangled = |k: usize| {
-        let p = &track.points[kept[k].from.segment as usize];
-        RemeshError::Tangled { curve: p.curve as usize, u: p.u, at: p.position }
+        let Span { cut, u: [u, _], .. } = kept[k].span;
+        RemeshError::Tangled { curve: cut as usize, u, at: kept[k].begin(track, meetings) }
     };
     // By junction, the one stretch that begins there.
-    let mut begins = vec![None; junctions];
+    let mut begins = vec![None; meetings.len()];
     for (k, stretch) in kept.iter().enumerate() {
         if let Some(j) = stretch.span.junctions[0]
             && begins[j as usize].replace(k).is_some()
@@ -158,7 +158,7 @@ impl Builder<'_> {
         if let [span] = spans.as_slice() {
             let whole = self.curves.tracks[span.cut as usize];
             let mut points = self.curves.points[whole.begin as usize..(whole.begin + whole.count) as usize].to_vec();
-            pin(&mut points, ends, span.t);
+            pin(&mut points, ends, span.t, span.u);
             self.track.append(points, closed);
             return Ok(Contour::single(&self.cuts[span.cut as usize], *span));
         }
@@ -170,7 +170,7 @@ impl Builder<'_> {
         if let (false, Some(last)) = (closed, chain.last()) {
             let end = &self.curves.points[self.curves.points[last.to.segment as usize].next as usize];
             points.push(TrackPoint { t: 1.0, legs: Vec::new(), ..end.clone() });
-            pin(&mut points, ends, [0.0, 1.0]);
+            pin(&mut points, ends, [0.0, 1.0], [spans[0].u[0], spans[chain.len() - 1].u[1]]);
         }
         self.track.append(points, closed);
         let piece = |span: &Span| {
@@ -223,6 +223,7 @@ impl Builder<'_> {
         points.push(TrackPoint {
             position: start.map_or(first.position, |j| j.point),
             t: t(0.0),
+            u: stretch.span.u[0],
             corner: start.is_some(),
             legs: Vec::new(),
             ..first.clone()
@@ -245,12 +246,13 @@ impl Builder<'_> {
 }
 
 /// Puts both ends of a track where its junctions are.
-fn pin(points: &mut [TrackPoint], ends: [Option<DVec3>; 2], t: [f64; 2]) {
+fn pin(points: &mut [TrackPoint], ends: [Option<DVec3>; 2], t: [f64; 2], u: [f64; 2]) {
     let last = points.len() - 1;
     for (which, k) in [(0, 0), (1, last)] {
         if let Some(point) = ends[which] {
             points[k].position = point;
             points[k].t = t[which];
+            points[k].u = u[which];
         }
     }
 }

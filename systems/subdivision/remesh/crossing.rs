@@ -3,6 +3,8 @@
 use glam::DVec2;
 use selvedge_components::subdivision::remesh::PreImageError;
 
+use super::super::relax::curve_parameter;
+use super::Cut;
 use super::path::Leg;
 use super::track::{Near, Track};
 use super::winding::{Way, Ways, is_left};
@@ -18,7 +20,7 @@ pub struct Crossing {
 ///
 /// # Errors
 /// [`PreImageError::Crossing`] where a curve crosses itself, with the curve's index in it.
-pub fn find(track: &Track, ways: &Ways) -> Result<Vec<Crossing>, PreImageError> {
+pub fn find(track: &Track, cuts: &[Cut], ways: &Ways) -> Result<Vec<Crossing>, PreImageError> {
     let mut crossings = Vec::new();
     for face in ways.faces() {
         let ways = ways.of(face);
@@ -33,7 +35,7 @@ pub fn find(track: &Track, ways: &Ways) -> Result<Vec<Crossing>, PreImageError> 
                 let others = track.points[a.segment as usize].cut != track.points[b.segment as usize].cut;
                 let meet = cross(&a.leg, &b.leg) || (others && run_together(&a.leg, &b.leg));
                 if !are_neighbours(track, a.segment, b.segment) && meet {
-                    crossings.push(crossing(track, a, b)?);
+                    crossings.push(crossing(track, cuts, a, b)?);
                 }
             }
         }
@@ -77,7 +79,7 @@ fn run_together(a: &Leg, b: &Leg) -> bool {
     shared.any(|x| x.distance(first) > FOR_A_WHILE)
 }
 
-fn crossing(track: &Track, a: &Way, b: &Way) -> Result<Crossing, PreImageError> {
+fn crossing(track: &Track, cuts: &[Cut], a: &Way, b: &Way) -> Result<Crossing, PreImageError> {
     // How far along a leg the line of the other is met.
     let part = |leg: &Leg, other: &Leg| {
         let off = |x| (other.to - other.from).perp_dot(x - other.from);
@@ -89,11 +91,9 @@ fn crossing(track: &Track, a: &Way, b: &Way) -> Result<Crossing, PreImageError> 
     let at = at.map(|(way, part)| Near { segment: way.segment, part, distance: 0.0 });
     let curves = at.map(|near| track.points[near.segment as usize].curve as usize);
     if track.points[a.segment as usize].cut == track.points[b.segment as usize].cut {
-        let u = at.map(|near| {
-            let t = track.parameter(near).abs();
-            if t > 1.0 { t - 1.0 } else { t }
-        });
-        return Err(PreImageError::Crossing { curves, u, at: track.position(at[0]) });
+        let Cut { curve, heading, .. } = &cuts[curves[0]];
+        let u = at.map(|near| curve_parameter(&**curve, *heading, track.parameter(near)));
+        return Err(PreImageError::Crossing { curves, u, at: curve.position(u[0]) });
     }
     Ok(Crossing { at })
 }

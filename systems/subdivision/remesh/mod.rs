@@ -194,8 +194,12 @@ fn crossed(adapted: &Adapted, track: &Track, leaves: &Leaves) -> Vec<(u32, u32)>
         first.entry((piece.level, piece.leaf)).or_insert(f as u32);
     }
     let mut crossed = Vec::new();
+    // Segments that run through leaves of a level alone cross none of a finer one.
+    let mut within = vec![true; track.points.len()];
     for level in 0..=leaves.finest() {
-        for visit in track.visits(level) {
+        let visits = track.visits(level, |segment| within[segment as usize]);
+        within = track.having(&visits, |visit| leaves.is_split(level, visit.code));
+        for visit in visits {
             let Some(&begin) = first.get(&(level, visit.code)) else { continue };
             let own = adapted.sources[begin as usize..].iter();
             let count = own.take_while(|p| (p.level, p.leaf) == (level, visit.code)).count() as u32;

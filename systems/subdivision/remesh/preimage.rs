@@ -69,6 +69,15 @@ pub struct TraceOptions {
 /// twentieth of a cage edge down to edges of `r / 600`, where walls of a few of them end.
 const COS_TURN: f64 = 0.999_687_516_276_041_7;
 
+/// The cosine of the angle between neighbouring pieces above which both are halved: a quarter of a radian,
+/// some times the turn of pieces that follow their curve. A long piece whose halves seem straight may end
+/// beyond a small fillet, all of whose turn is then at that end.
+const COS_SHARP: f64 = 0.968_912_421_710_644_8;
+
+/// Pieces shorter than this part of a step are not halved for what they turn by: a quarter of a face of the
+/// finest level, so what turns there is beyond any cage.
+const SHORTEST: f64 = 1.0 / (1_u64 << 13) as f64;
+
 /// Halvings of the first pieces: `2^-24` of the curve is below the resolution of any cage.
 const DEEPEST: u32 = 24;
 
@@ -152,8 +161,8 @@ pub fn trace_near(
             tracer.between(last, end, &mut part.points)?;
             part.points.push(end);
         }
-        if is.is_none() {
-            parts.extend(open.take());
+        if let (None, Some(part)) = (is, open.take_if(|_| is.is_none())) {
+            parts.push(PreImage { points: tracer.smoothed(part.points, false)?, ..part });
         }
     }
     Ok(parts)
@@ -199,6 +208,7 @@ impl Tracer<'_> {
             self.between(last, end, &mut points)?;
             points.push(end);
         }
+        points = self.smoothed(points, true)?;
         let length: f64 = points.windows(2).map(|p| p[0].position.distance(p[1].position)).sum();
         // Shorter than rounding of its own coordinates: nothing can be told apart along it.
         let size = points[0].position.abs().max_element().max(self.options.step);
@@ -226,7 +236,8 @@ impl Tracer<'_> {
         let mut place = given.at;
         for k in 0..=steps {
             let u = given.u + way * (f64::from(k) / f64::from(steps));
-            let position = self.curve.position(if self.curve.closed() { wrap(u) } else { u });
+            let u = if self.curve.closed() { wrap(u) } else { u };
+            let position = self.curve.position(u);
             if !position.is_finite() {
                 return Err(PreImageError::NotFinite { u, at: position });
             }
@@ -292,9 +303,14 @@ impl Tracer<'_> {
         self.at(outside, near)
     }
 
-    fn at(&self, u: f64, hint: Option<SurfacePoint>) -> Result<PathPoint, PreImageError> {
-        let wrapped = if self.curve.closed() && u > 1.0 { u - 1.0 } else { u };
-        let position = self.curve.position(wrapped);
+    /// The curve's own parameter of one that may run on to 1 and beyond.
+    fn own(&self, u: f64) -> f64 {
+        if self.curve.closed() && u >= 1.0 { u - 1.0 } else { u }
+    }
+
+    fn at(&self, counted: f64, hint: Option<SurfacePoint>) -> Result<PathPoint, PreImageError> {
+        let u = self.own(counted);
+        let position = self.curve.position(u);
         if !position.is_finite() {
             return Err(PreImageError::NotFinite { u, at: position });
         }
@@ -308,7 +324,7 @@ impl Tracer<'_> {
                 PreImageError::TooFarOff { u, at: position, distance, limit: self.options.curve }
             });
         }
-        Ok(PathPoint { u, position, at, distance })
+        Ok(PathPoint { u: counted, position, at, distance })
     }
 
     fn on_border(&self, at: SurfacePoint) -> bool {
@@ -339,13 +355,56 @@ impl Tracer<'_> {
             }
             if way.is_none() {
                 let places = [a.at, b.at];
-                return Err(PreImageError::Ambiguous { u: a.u, at: a.position, places });
+                return Err(PreImageError::Ambiguous { u: self.own(a.u), at: a.position, places });
             }
             if a.u > points[points.len() - 1].u {
                 points.push(a);
             }
         }
         Ok(())
+    }
+
+    /// The points with more of them where the way from one to the next turns sharply and the curve has no
+    /// corner; the first and the last of those that run round are one place.
+    fn smoothed(&self, mut points: Vec<PathPoint>, round: bool) -> Result<Vec<PathPoint>, PreImageError> {
+        let long = SHORTEST * self.options.step;
+        for _ in 0..DEEPEST {
+            let halved = self.sharp(&points, round, long);
+            if !halved.contains(&true) {
+                break;
+            }
+            let mut finer = vec![points[0]];
+            for (pair, halved) in points.windows(2).zip(halved) {
+                let [a, b] = [pair[0], pair[1]];
+                let u = 0.5 * (a.u + b.u);
+                if halved && a.u < u && u < b.u {
+                    let middle = self.at(u, Some(a.at))?;
+                    self.between(a, middle, &mut finer)?;
+                    finer.push(middle);
+                    self.between(middle, b, &mut finer)?;
+                }
+                finer.push(b);
+            }
+            points = finer;
+        }
+        Ok(points)
+    }
+
+    /// Of each piece between two points, whether it is `long` and the way turns sharply at an end of it.
+    fn sharp(&self, points: &[PathPoint], round: bool, long: f64) -> Vec<bool> {
+        let count = points.len() - 1;
+        let way = |k: usize| points[k + 1].position - points[k].position;
+        let mut sharp = vec![false; count];
+        for k in if round { 0..count } else { 1..count } {
+            let before = (k + count - 1) % count;
+            let (first, second) = (way(before), way(k));
+            let turns = first.dot(second) < COS_SHARP * first.length() * second.length();
+            if turns && !self.curve.corners().contains(&self.own(points[k].u)) {
+                sharp[before] |= first.length() > long;
+                sharp[k] |= second.length() > long;
+            }
+        }
+        sharp
     }
 
     fn follows(&self, a: &PathPoint, middle: &PathPoint, b: &PathPoint) -> bool {

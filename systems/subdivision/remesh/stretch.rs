@@ -3,6 +3,7 @@
 //! From its first crossing on each curve is cut into stretches, each of which has one number on its
 //! left all along ([`winding`](super::winding)), so that all of it is a border or none.
 
+use glam::DVec3;
 use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::NONE;
 use selvedge_components::subdivision::remesh::RemeshError;
@@ -19,6 +20,14 @@ pub(super) struct Stretch {
     /// Where it begins and ends on its curve's track.
     pub from: Near,
     pub to: Near,
+}
+
+impl Stretch {
+    /// The point that it begins at.
+    pub fn begin(&self, track: &Track, meetings: &[Meeting]) -> DVec3 {
+        let junction = self.span.junctions[0].map(|j| meetings[j as usize].junction.point);
+        junction.unwrap_or_else(|| track.position(self.from))
+    }
 }
 
 /// A place where a curve is cut, or ends.
@@ -57,14 +66,16 @@ pub(super) fn stretches(
         }
         for pair in stops.windows(2) {
             let [from, to] = [pair[0], pair[1]];
-            let p = &track.points[from.near.segment as usize];
+            let curve = track.points[from.near.segment as usize].curve;
+            let span =
+                Span { cut: curve, t: [from.t, to.t], u: [from.u, to.u], junctions: [from.junction, to.junction] };
+            let stretch = Stretch { span, from: from.near, to: to.near };
             // Places so near to each other that they come in another order in space.
             if from.t >= to.t || from.t.is_nan() || to.t.is_nan() {
-                return Err(RemeshError::Tangled { curve: p.curve as usize, u: from.u, at: p.position });
+                let at = stretch.begin(track, meetings);
+                return Err(RemeshError::Tangled { curve: curve as usize, u: from.u, at });
             }
-            let span =
-                Span { cut: p.curve, t: [from.t, to.t], u: [from.u, to.u], junctions: [from.junction, to.junction] };
-            stretches.push(Stretch { span, from: from.near, to: to.near });
+            stretches.push(stretch);
         }
     }
     Ok(stretches)

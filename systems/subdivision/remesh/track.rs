@@ -119,7 +119,8 @@ impl Track {
             if !p.position.is_finite() {
                 return Err(PreImageError::NotFinite { u: p.u, at: p.position });
             }
-            let u = if p.u > 1.0 { p.u - 1.0 } else { p.u };
+            // A part of a closed curve may run on to its beginning, where it may have a corner, and beyond.
+            let u = if cut.curve.closed() && p.u >= 1.0 { p.u - 1.0 } else { p.u };
             let legs = if closed || i + 1 < count {
                 let next = order[(i + 1) % count];
                 let reason = "the next point lies in a face that does not meet this one's";
@@ -322,18 +323,26 @@ impl Track {
         (own + other).normalize_or_zero()
     }
 
-    /// The faces of `level` that the track crosses, in order along it.
-    pub fn visits(&self, level: u32) -> Vec<Visit> {
+    /// The faces of `level` that `wanted` segments cross, in order along the track. Of a fine level that
+    /// are many: half a dozen and more for each step of the level.
+    pub fn visits(&self, level: u32, wanted: impl Fn(u32) -> bool) -> Vec<Visit> {
         let mut visits: Vec<Visit> = Vec::new();
-        for (segment, p) in self.points.iter().enumerate() {
+        for (segment, p) in (0..).zip(&self.points).filter(|(segment, _)| wanted(*segment)) {
             for leg in &p.legs {
                 for (code, part) in path::crossed(leg, level) {
                     let part = part.map(|f| leg.part[0] + (leg.part[1] - leg.part[0]) * f);
-                    visits.push(Visit { code, segment: segment as u32, part });
+                    visits.push(Visit { code, segment, part });
                 }
             }
         }
         visits
+    }
+
+    /// By segment, whether it has a visit that is `wanted`.
+    pub fn having(&self, visits: &[Visit], wanted: impl Fn(&Visit) -> bool) -> Vec<bool> {
+        let mut having = vec![false; self.points.len()];
+        visits.iter().filter(|visit| wanted(visit)).for_each(|visit| having[visit.segment as usize] = true);
+        having
     }
 }
 

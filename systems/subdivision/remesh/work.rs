@@ -16,7 +16,7 @@ use super::leaves::Leaves;
 use super::other::OtherSide;
 use super::preimage::{Extent, PreImage};
 use super::remove::{Place, Trouble};
-use super::track::Track;
+use super::track::{Near, Track};
 use super::winding::Beyond;
 use super::{Cut, RemeshOptions};
 
@@ -244,11 +244,10 @@ impl RemeshWork {
         };
         let Some(plan) = &self.plan else { return Ok(()) };
         let track = &plan.track;
-        if let Some(first) = places.first().filter(|_| self.tried == self.options.tries) {
-            let point = &track.points[first.near.segment as usize];
-            let u = plan.contours[point.cut as usize].spot(&self.cuts, track.parameter(first.near)).u;
-            let (curve, at) = (point.curve as usize, track.position(first.near));
-            return Err(RemeshError::Unresolved { what, curve, u, at, tries: self.tried, level: finest });
+        if self.tried == self.options.tries
+            && let Some(first) = places.first()
+        {
+            return Err(self.unresolved(plan, what, first.near, finest));
         }
         self.tried += 1;
         let before = self.least.clone();
@@ -259,7 +258,23 @@ impl RemeshWork {
             let asked = |place: &Place| before[place.near.segment as usize] + 1;
             places.iter().for_each(|place| ask_for_finer(track, place, asked(place), &mut self.least));
         }
-        Ok(())
+        let limit = adapt::finest(&self.surface, &self.options.adapt);
+        match places.first() {
+            Some(first) if self.least.iter().any(|&level| level > limit) => {
+                Err(self.unresolved(plan, what, first.near, finest))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// No finer cage can be had, or none has helped.
+    fn unresolved(&self, plan: &Arrangement, what: &'static str, near: Near, level: u32) -> RemeshError {
+        let contour = &plan.contours[plan.track.points[near.segment as usize].cut as usize];
+        let spot = contour.spot(&self.cuts, plan.track.parameter(near));
+        // The end of one stretch is the beginning of the next, which is another curve's.
+        let (u, curve) = (spot.u, contour.spans[spot.span as usize].cut as usize);
+        let at = self.cuts[curve].curve.position(u);
+        RemeshError::Unresolved { what, curve, u, at, tries: self.tried, level }
     }
 }
 

@@ -22,7 +22,7 @@ use super::ground::{Ground, diagonal};
 use super::zone::{Extent, SidesMet, reserve};
 use crate::closest::Search;
 use crate::subdivision::region;
-use crate::subdivision::remesh::{Cut, Hints, PreImage, TraceOptions, trace_near};
+use crate::subdivision::remesh::{Cut, Hints, JunctionOptions, PreImage, TraceOptions, trace_near};
 
 /// Where no tolerance says how far a curve may lie off the surface: this part of the source's size.
 const OFF: f64 = 0.01;
@@ -215,7 +215,8 @@ impl LocateWork {
         Ok(hints)
     }
 
-    /// The curve does not meet the surface: how far off it is where it is nearest.
+    /// The curve does not meet the surface: how far off it is where it is nearest. Or it does along a border
+    /// alone.
     fn miss(&self, curve: usize, of: &dyn Curve, limit: f64) -> TrimFault {
         const LOOKS: u32 = 64;
         let (mut distance, mut u, mut at) = (f64::INFINITY, 0.0, of.position(0.0));
@@ -225,6 +226,11 @@ impl LocateWork {
             if let Some(found) = found.filter(|found| found.distance < distance) {
                 (distance, u, at) = (found.distance, look, point);
             }
+        }
+        if distance <= limit {
+            // It is on the source, and nowhere within its borders.
+            let limit = JunctionOptions::default().angle;
+            return RemeshError::AlongBorder { curve, u, at, angle: 0.0, limit }.into();
         }
         TrimFault::Misses { curve, u, at, distance, limit }
     }

@@ -8,7 +8,7 @@ use selvedge_components::subdivision::{Border, LoopSurface};
 
 use super::super::*;
 use super::judge::picture;
-use super::support::{Walker, circle, lattice};
+use super::support::{Walker, circle, lattice, polygon};
 
 /// A circle in the plane z = 0.
 struct Flat<F>(F);
@@ -115,4 +115,50 @@ fn random_bites_leave_one_border() {
         }
     }
     assert!(failed.is_empty(), "{} of {count} failed\n{}", failed.len(), failed.join("\n"));
+}
+
+/// A part of a closed curve that begins before the curve's end runs on over it, through a corner there.
+#[test]
+fn a_corner_at_which_a_curve_begins_is_one_for_a_part_that_runs_over_it() {
+    let plate = lattice(12, 0.05, |_, _| 0.0);
+    for heading in [Heading::Along, Heading::Against] {
+        // The tip of a wedge over the edge of the plate, walked from the tip on.
+        let (plane, corners) = polygon(vec![DVec2::new(0.011, 0.2), DVec2::new(0.1, 0.4), DVec2::new(-0.1, 0.41)]);
+        let curve = Cornered { plane, corners };
+        let cut = Cut::new(Arc::new(curve), heading);
+        let options = TraceOptions { curve: 1e-9, step: 0.05 / 8.0 };
+        let images = trace_parts(&plate.mesh, &Walker::new(&plate), &*cut.curve, options).expect("pre-images");
+        assert_eq!(images.len(), 1);
+        let result = remesh(plate.clone(), &[cut], &images, &RemeshOptions::default());
+        let result = result.unwrap_or_else(|e| panic!("{heading:?}: {e}"));
+        let border = |v: &selvedge_components::mesh::VertexId| result.surface.mesh.is_border(*v);
+        let mut at = (0..result.surface.points.len()).map(selvedge_components::mesh::VertexId::new).filter(border);
+        assert!(at.any(|v| result.limit[v.index()] == DVec3::new(0.011, 0.2, 0.0)), "{heading:?}");
+    }
+}
+
+/// A closed curve in the plane z = 0 that has corners.
+struct Cornered<F> {
+    plane: F,
+    corners: Vec<f64>,
+}
+
+impl<F> core::fmt::Debug for Cornered<F> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("Cornered")
+    }
+}
+
+impl<F: Fn(f64) -> DVec2 + Send + Sync> Curve for Cornered<F> {
+    fn position(&self, u: f64) -> DVec3 {
+        (self.plane)(u).extend(0.0)
+    }
+
+    fn corners(&self) -> &[f64] {
+        &self.corners
+    }
+
+    fn closed(&self) -> bool {
+        true
+    }
 }

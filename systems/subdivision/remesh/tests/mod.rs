@@ -8,6 +8,7 @@ mod closed;
 mod crossings;
 mod draw;
 mod judge;
+mod placed;
 mod refusals;
 mod rims;
 mod shapes;
