@@ -261,7 +261,9 @@ fn peak(bulges: [DVec3; 3]) -> f64 {
     let direction = longest.normalize_or_zero();
     let along = bulges.map(|q| q.dot(direction));
     let across: [f64; 3] = core::array::from_fn(|e| (bulges[e] - direction * along[e]).length());
-    peak_of_form(along).hypot(peak_of_form(across))
+    let [along, across] = [along, across].map(peak_of_form);
+    // What overflows is infinite, and so is the bound.
+    (along * along + across * across).sqrt()
 }
 
 /// The greatest `|w0 w1 a + w1 w2 b + w2 w0 c|` where no weight is negative and they sum to 1.

@@ -39,13 +39,11 @@ pub fn check(subject: &Subject, assembly: &Assembly, chord: f64, last_level: u32
     let mut found: Vec<Option<Farthest>> = vec![None; bounds.len()];
     let turns: [fn(f64) -> bool; 2] = [|bound| bound.is_finite(), |bound| !bound.is_finite()];
     for turn in turns {
-        let due = |i: usize| bounds[i] > chord && turn(bounds[i]);
-        let measured = checker.measure(due, known, SHARP * chord);
-        for ((all, measured), leaf) in found.iter_mut().zip(measured).zip(&assembly.leaves) {
-            let Some(measured) = measured else { continue };
-            *all = Some(measured.farthest);
+        let due: Vec<usize> = (0..bounds.len()).filter(|&i| bounds[i] > chord && turn(bounds[i])).collect();
+        for (i, measured) in checker.measure(&due, known, SHARP * chord) {
+            found[i] = Some(measured.farthest);
             if measured.alone {
-                known.alone.insert(leaf.key(), measured.farthest);
+                known.alone.insert(assembly.leaves[i].key(), measured.farthest);
             }
         }
         let fails = |(leaf, found): (&Leaf, &Option<Farthest>)| {
@@ -104,39 +102,30 @@ struct Checker<'a> {
     assembly: &'a Assembly,
     chord: f64,
     around: Around,
-    /// The unit normals of the triangles.
-    normals: Vec<DVec3>,
     weights: Vec<[f64; 3]>,
 }
 
 impl<'a> Checker<'a> {
     fn new(subject: &'a Subject, assembly: &'a Assembly, chord: f64) -> Self {
-        Self {
-            subject,
-            assembly,
-            chord,
-            around: assembly.around(),
-            normals: map_in_order(assembly.triangle_count(), |t| assembly.normal(t as u32)),
-            weights: Grid::Ninths.weights(),
-        }
+        Self { subject, assembly, chord, around: assembly.around(), weights: Grid::Ninths.weights() }
     }
 
-    /// What `of` makes of every leaf; leaves of one root face share its nest.
-    fn by_root<R: Send>(&self, of: impl Fn(&mut Nest<'a>, usize) -> Option<R> + Sync + Send) -> Vec<Option<R>> {
-        let faces = map_dear_in_order(self.subject.surface.mesh.face_count(), |f| {
-            let mut nest = Nest::new(&self.subject.limit, FaceId::new(f));
-            self.assembly.leaves_of(f).map(|i| of(&mut nest, i)).collect::<Vec<_>>()
+    /// Measures the leaves that are `due`, ascending, unless they are `known`. Distances up to `enough` are not
+    /// told apart.
+    fn measure(&self, due: &[usize], known: &Known, enough: f64) -> Vec<(usize, Measured)> {
+        let root = |i: usize| self.assembly.leaves[i].place.root();
+        // Leaves of one root face share its nest.
+        let faces: Vec<&[usize]> = due.chunk_by(|&a, &b| root(a) == root(b)).collect();
+        let measured = map_dear_in_order(faces.len(), |f| {
+            let mut nest = Nest::new(&self.subject.limit, root(faces[f][0]));
+            let measured = |&i: &usize| {
+                let leaf = &self.assembly.leaves[i];
+                let known = known.alone.get(&leaf.key()).map(|&farthest| Measured { farthest, alone: true });
+                (i, known.unwrap_or_else(|| self.farthest(&mut nest, leaf, enough, self.chord)))
+            };
+            faces[f].iter().map(measured).collect::<Vec<_>>()
         });
-        faces.into_iter().flatten().collect()
-    }
-
-    /// Measures the leaves that are `due` and not `known`. Distances up to `enough` are not told apart.
-    fn measure(&self, due: impl Fn(usize) -> bool + Sync + Send, known: &Known, enough: f64) -> Vec<Option<Measured>> {
-        let measured = |nest: &mut Nest<'a>, leaf: &Leaf| match known.alone.get(&leaf.key()) {
-            Some(&farthest) => Measured { farthest, alone: true },
-            None => self.farthest(nest, leaf, enough, self.chord),
-        };
-        self.by_root(|nest, i| due(i).then(|| measured(nest, &self.assembly.leaves[i])))
+        measured.into_iter().flatten().collect()
     }
 
     /// Measures what may be the farthest until it is found. `found` holds what was measured already, from
@@ -233,7 +222,7 @@ impl<'a> Checker<'a> {
             let pieces = self.assembly.pieces(leaf);
             let straight = pieces.iter().map(|piece| deviation.of_piece(piece.map(|(_, w)| w)).greatest());
             let bound = straight.fold(0.0, greater);
-            if bound > self.chord {
+            if bound > SHARP * self.chord {
                 found.beyond.push((i, deviation));
             }
             found.bounds.push(bound);
@@ -283,7 +272,7 @@ impl<'a> Checker<'a> {
     /// do its feet, which leave none of the triangle out. Over a border there is no neighbour: what is beyond
     /// it lies between its edges and the border itself, which is off them by `off_rim` about each vertex.
     fn sliding(&self, deviation: &Deviation, t: u32, off_rim: &[f64]) -> f64 {
-        let (corners, normal) = (self.assembly.corners(t), self.normal(t));
+        let (corners, normal) = (self.assembly.corners(t), self.assembly.normal(t));
         if normal == DVec3::ZERO {
             return f64::INFINITY;
         }
@@ -291,7 +280,7 @@ impl<'a> Checker<'a> {
         for v in self.assembly.triangle(t) {
             across = across.max(off_rim.get(v as usize).copied().unwrap_or(0.0));
             for &other in self.around.of(v) {
-                let other = self.normal(other);
+                let other = self.assembly.normal(other);
                 // A triangle that faces away is no neighbour to slide to; nor is one without a normal.
                 let turned = normal.dot(other) <= 0.0;
                 bend = bend.max(if turned { f64::INFINITY } else { normal.cross(other).length() });
@@ -305,10 +294,6 @@ impl<'a> Checker<'a> {
         });
         high.fold(deviation.along(normal), greater).hypot(across)
     }
-
-    fn normal(&self, t: u32) -> DVec3 {
-        self.normals[t as usize]
-    }
 }
 
 /// The greater bound; what is no number bounds nothing.
@@ -320,7 +305,7 @@ fn greater(a: f64, b: f64) -> f64 {
 #[derive(Default)]
 struct Straight {
     bounds: Vec<f64>,
-    /// Those beyond the chord, and how they stand off.
+    /// Those beyond the chord or not far below it, which may be the farthest, and how they stand off.
     beyond: Vec<(usize, Deviation)>,
     /// The ends of edges on borders, and how far the border is off them.
     rims: Vec<([u32; 2], f64)>,
