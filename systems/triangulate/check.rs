@@ -219,9 +219,13 @@ impl<'a> Checker<'a> {
                 found.bounds.push(f64::INFINITY);
                 continue;
             };
-            let pieces = self.assembly.pieces(leaf);
-            let straight = pieces.iter().map(|piece| deviation.of_piece(piece.map(|(_, w)| w)).greatest());
-            let bound = straight.fold(0.0, greater);
+            let bound = if self.assembly.triangles_of(leaf).len() == 1 {
+                greater(0.0, deviation.greatest())
+            } else {
+                let pieces = self.assembly.pieces(leaf);
+                let straight = pieces.iter().map(|piece| deviation.of_piece(piece.map(|(_, w)| w)).greatest());
+                straight.fold(0.0, greater)
+            };
             if bound > SHARP * self.chord {
                 found.beyond.push((i, deviation));
             }
@@ -250,10 +254,10 @@ impl<'a> Checker<'a> {
 
     /// How a leaf stands off the triangle of its corners; `None` where details hide.
     fn deviation(&self, nest: &mut Nest<'a>, place: Place, known: &Known) -> Option<Deviation> {
-        if nest.quartic(nest.root()).is_none() {
-            if let Some(&deviation) = known.stand_off(place) {
-                return Some(deviation);
-            }
+        if nest.quartic(nest.root()).is_none()
+            && let Some(&deviation) = known.stand_off(place)
+        {
+            return Some(deviation);
         }
         let spot = nest.spot(place.level, place.code);
         if let Some(quartic) = nest.quartic(spot) {

@@ -79,8 +79,6 @@ struct Seen {
     far: bool,
     /// If so, are its quarters likely to be, too?
     deeper: bool,
-    /// How it stands off, where that is worth keeping.
-    deviation: Option<Deviation>,
 }
 
 /// What does not change from face to face.
@@ -109,10 +107,7 @@ impl Growth<'_> {
         if place.level == self.options.last_level {
             return Ok(());
         }
-        let Seen { far, deeper, deviation } = self.look_at(nest, place, deep)?;
-        if !far {
-            found.stand_off.extend(deviation.map(|deviation| (place, deviation)));
-        }
+        let Seen { far, deeper } = self.look_at(nest, place, deep, &mut found.stand_off)?;
         // Past the budget nothing comes of it: however many are counted by then, too many is too many.
         if far && within_budget(self.leaves.fetch_add(3, Ordering::Relaxed), self.options).is_ok() {
             found.too_far.push(place);
@@ -124,7 +119,15 @@ impl Growth<'_> {
         Ok(())
     }
 
-    fn look_at(&self, nest: &mut Nest, place: Place, deep: bool) -> Result<Seen, TriangulateError> {
+    /// Looks at a face. How it stands off goes to `stand_off`, if it is not to be quartered and that is not as
+    /// soon found again.
+    fn look_at(
+        &self,
+        nest: &mut Nest,
+        place: Place,
+        deep: bool,
+        stand_off: &mut Vec<(Place, Deviation)>,
+    ) -> Result<Seen, TriangulateError> {
         let spot = nest.spot(place.level, place.code);
         if let Some(quartic) = nest.quartic(spot) {
             let inner = Inner::new(place, spot.level);
@@ -134,12 +137,15 @@ impl Growth<'_> {
                 Verdict::TooFar => true,
                 Verdict::Unsure => self.is_sampled_too_far(nest, place)?,
             };
-            // In a root face that is one polynomial that is as soon found again as looked up.
-            return Ok(Seen { far, deeper: true, deviation: (spot != nest.root()).then_some(deviation) });
+            // In a root face that is one polynomial it is as soon found again as looked up.
+            if !far && spot != nest.root() {
+                stand_off.push((place, deviation));
+            }
+            return Ok(Seen { far, deeper: true });
         }
         if self.subject.reach.moves_below(place.level, place.code) {
             // Fifteen points say nothing about details between them.
-            return Ok(Seen { far: self.is_sampled_too_far(nest, place)?, deeper: true, deviation: None });
+            return Ok(Seen { far: self.is_sampled_too_far(nest, place)?, deeper: true });
         }
         let points = nest.quarter_points(spot, deep);
         let (facet, borders) = (Facet::new(corners_of(&points)), borders(self.subject, place));
@@ -147,7 +153,10 @@ impl Growth<'_> {
         let far = self.is_too_far(place, &found)?;
         // Distances fall to a quarter from level to level.
         let deeper = is_beyond(&found, 4.0 * MARGIN * self.chord);
-        Ok(Seen { far, deeper, deviation: (!far).then(|| Deviation::of_points(&points)) })
+        if !far {
+            stand_off.push((place, Deviation::of_points(&points)));
+        }
+        Ok(Seen { far, deeper })
     }
 
     fn is_sampled_too_far(&self, nest: &mut Nest, place: Place) -> Result<bool, TriangulateError> {
