@@ -12,11 +12,11 @@ use selvedge_components::curve::Heading;
 use selvedge_components::evaluate::{Evaluate, SurfacePoint};
 use selvedge_components::mesh::{Connectivity, FaceId, VertexId};
 use selvedge_components::subdivision::{
-    Address, CornerRule, CornerTable, Details, Kind, LimitRows, LoopSurface, NONE, Patch, PatchLattice, Scheme,
-    limit_frame,
+    Address, CornerRule, CornerTable, Details, Deviation, FaceCode, Kind, LimitRows, LoopSurface, NONE, Patch,
+    PatchLattice, Scheme, limit_frame,
 };
 use selvedge_systems::subdivision::chain;
-use selvedge_systems::subdivision::limit::LimitSurface;
+use selvedge_systems::subdivision::limit::{LimitSurface, Nest};
 use support::{detail, fan, graph, octant, parallelogram, spherical_fan};
 
 /// Every kind of surroundings that a face can have.
@@ -324,4 +324,64 @@ fn a_face_is_evaluated_to_the_same_bits_however_many_there_are_beyond_it() {
             assert_eq!(a, b, "{at:?}");
         }
     }
+}
+
+/// Weights of the points that divide the edges of a face by twelve, and how far off the triangle of its corners
+/// the surface is there.
+fn off_triangle(limit: &LimitSurface, level: u32, code: FaceCode) -> ([DVec3; 3], Vec<([f64; 3], DVec3)>) {
+    let at = |w: [f64; 3]| limit.position(code.place(level, w));
+    let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(at);
+    let part = |i: u32| f64::from(i) / 12.0;
+    let places = (0..=12).flat_map(|i| (0..=12 - i).map(move |j| [part(12 - i - j), part(i), part(j)]));
+    let off = |w: [f64; 3]| (w, at(w) - (0..3).map(|c| corners[c] * w[c]).sum::<DVec3>());
+    (corners, places.map(off).collect())
+}
+
+/// What fifteen points of a face that is no polynomial tell of how far it stands off its triangle is a bound:
+/// no point is farther, in all, up and down, beyond an edge or off it. Whatever is around the face: borders of
+/// every kind, corners, and vertices of any valence.
+#[test]
+fn fifteen_points_bound_what_is_between_them() {
+    let discs = (3..=12).flat_map(|k| [1, 2].map(|seed| (format!("{k} sectors"), disc(k, 2, seed, Heading::Along))));
+    let mut seen = 0;
+    for (name, surface) in surfaces().into_iter().chain(discs) {
+        let faces = surface.mesh.face_count();
+        let limit = LimitSurface::new(Arc::new(surface)).expect("the surface is sound");
+        for root in (0..faces).map(FaceId::new) {
+            let mut nest = Nest::new(&limit, root);
+            for (level, k) in (0..3).flat_map(|level| (0..1_u64 << (2 * level)).map(move |k| (level, k))) {
+                let code = FaceCode((FaceCode::root(root).0 << (2 * level)) + k);
+                let spot = nest.spot(level, code);
+                if nest.quartic(spot).is_some() {
+                    continue;
+                }
+                seen += 1;
+                let ([a, b, c], off) = off_triangle(&limit, level, code);
+                let deviation = Deviation::of_points(&nest.quarter_points(spot, k % 2 == 0));
+                let normal = (b - a).cross(c - a).normalize_or_zero();
+                let slack = 1e-12;
+                let (most, high) = (deviation.greatest() + slack, deviation.along(normal) + slack);
+                for (w, off) in off {
+                    let place = || format!("{name}: {root}, level {level}, {k}, {w:?}");
+                    assert!(off.length() <= most, "{}: {} beyond {most}", place(), off.length());
+                    assert!(off.dot(normal).abs() <= high, "{}: {} beyond {high}", place(), off.dot(normal));
+                    for (e, [from, to, left]) in [[a, b, c], [b, c, a], [c, a, b]].into_iter().enumerate() {
+                        let outward = (to - from).cross(normal).normalize_or_zero();
+                        let height = outward.dot(from - left);
+                        let across = off.dot(outward) - height * w[(e + 2) % 3];
+                        if across > slack {
+                            let [beyond, high] = deviation.beyond(e, outward, height, normal);
+                            assert!(across <= beyond + slack, "{}: {across} beyond {beyond}", place());
+                            assert!(off.dot(normal).abs() <= high + slack, "{}: {high}", place());
+                        }
+                        if w[(e + 2) % 3] == 0.0 {
+                            let bound = deviation.off_edge(e, outward) + slack;
+                            assert!(off.dot(outward).abs() <= bound, "{}: {} off {bound}", place(), off.dot(outward));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(seen > 1000, "{seen} faces");
 }

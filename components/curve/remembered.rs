@@ -89,6 +89,10 @@ impl Curve for RememberedCurve {
     }
 
     fn derivative_before(&self, u: f64) -> DVec3 {
+        // Both are one but at corners and where the curve begins.
+        if u > 0.0 && !self.curve.corners().contains(&u) {
+            return self.derivative(u);
+        }
         self.ask(2, u, || self.curve.derivative_before(u))
     }
 

@@ -18,7 +18,7 @@ mod surface;
 
 pub use address::{Address, FINEST_LEVEL, FaceCode};
 pub use corner::{CornerTable, Pull, SpecialCorner, interior_angle};
-pub use deviation::Deviation;
+pub use deviation::{Deviation, QuarterPoints};
 pub use entities::{
     Cage, ControlPointIndex, ControlPointOf, ControlPoints, Detail, DetailLevel, DetailOf, Position, Sides, Snapshot,
 };

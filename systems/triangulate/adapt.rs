@@ -22,7 +22,7 @@ pub fn adapt(subject: &Subject, chord: f64, options: &TriangulateOptions) -> Res
     let mut new = forest.leaves();
     let mut known = Known::default();
     loop {
-        grow(subject, &mut forest, new, chord, options)?;
+        grow(subject, &mut forest, new, chord, options, &mut known)?;
         let assembly = assemble(subject, &forest, options.normals)?;
         within_budget(assembly.triangle_count(), options)?;
         let found = check(subject, &assembly, chord, options.last_level, &mut known);

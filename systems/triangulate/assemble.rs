@@ -51,6 +51,12 @@ impl Leaf {
         (self.place.level, self.place.code.0, self.halves.map(|half| half.is_some()))
     }
 
+    /// The vertices at the ends of its edges, from a corner to the next.
+    pub fn edges(&self) -> [[u32; 2]; 3] {
+        let [a, b, c] = self.corners;
+        [[a, b], [b, c], [c, a]]
+    }
+
     /// Its triangles: one more for each vertex inside an edge.
     fn triangles(&self) -> Range<usize> {
         let first = self.first as usize;
@@ -190,6 +196,16 @@ impl Assembly {
         self.indices(leaf).iter().map(piece).collect()
     }
 
+    /// How many vertices there are.
+    pub fn vertex_count(&self) -> usize {
+        self.triangles.positions.len()
+    }
+
+    /// Where a vertex stands.
+    pub fn position(&self, v: u32) -> DVec3 {
+        self.triangles.positions[v as usize]
+    }
+
     /// The triangles around every vertex.
     pub fn around(&self) -> Around {
         Around::new(self.triangles.positions.len(), &self.triangles.triangles)
@@ -222,7 +238,6 @@ impl Assembly {
 pub struct Around {
     starts: Vec<u32>,
     triangles: Vec<u32>,
-    on_border: Vec<bool>,
 }
 
 impl Around {
@@ -241,30 +256,11 @@ impl Around {
                 next[v as usize] += 1;
             }
         }
-        let mut all = Self { starts, triangles: around, on_border: vec![false; vertices] };
-        for v in 0..vertices as u32 {
-            all.on_border[v as usize] = all.is_open(v, triangles);
-        }
-        all
+        Self { starts, triangles: around }
     }
 
-    /// Is there a gap between the triangles around a vertex? The ways out of it, to the next corner of each
-    /// triangle, are then not the ways back.
-    fn is_open(&self, v: u32, triangles: &[[u32; 3]]) -> bool {
-        let corner = |t: u32, by: usize| {
-            let corners = triangles[t as usize];
-            corners.iter().position(|&c| c == v).map(|c| corners[(c + by) % 3])
-        };
-        let fan = self.of(v);
-        fan.iter().any(|&t| !fan.iter().any(|&other| corner(other, 2) == corner(t, 1)))
-    }
-
-    /// The triangles around a vertex, if they are all around it.
-    pub fn whole(&self, v: u32) -> Option<&[u32]> {
-        (!self.on_border[v as usize]).then(|| self.of(v))
-    }
-
-    fn of(&self, v: u32) -> &[u32] {
+    /// The triangles around a vertex.
+    pub fn of(&self, v: u32) -> &[u32] {
         &self.triangles[self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize]
     }
 }

@@ -1,21 +1,22 @@
 //! The finished triangles are measured both ways: from the surface to them, and from them to the surface.
 //!
-//! Where a leaf lies within one polynomial, this bounds its distance. Only leaves with no bound, or one
-//! beyond the chord, are sampled; and then those that may be the farthest, so that what is reported as
-//! achieved is met at a place.
+//! Where a leaf lies within one polynomial, this bounds its distance; elsewhere fifteen points of it and their
+//! second differences do. Only leaves with no bound, where details hide between such points, or one beyond the
+//! chord, are sampled; and then those that may be the farthest, so that what is reported as achieved is met at
+//! a place.
 
 use core::cell::OnceCell;
 use std::collections::HashMap;
 
 use glam::DVec3;
-use selvedge_components::mesh::FaceId;
+use selvedge_components::mesh::{FaceId, HalfedgeId};
 use selvedge_components::subdivision::Deviation;
 
 use super::Subject;
 use super::assemble::{Around, Assembly, Leaf, LeafKey};
 use super::inner::Inner;
 use super::measure::Facet;
-use super::sample::{Farthest, Grid, Piece, Sampled};
+use super::sample::{Farthest, Grid, Piece, Place, Sampled, borders};
 use crate::parallel::{map_dear_in_order, map_in_order};
 use crate::subdivision::limit::Nest;
 
@@ -34,18 +35,15 @@ const AT_A_TIME: [usize; 2] = [64, 1024];
 /// next forest has its triangles.
 pub fn check(subject: &Subject, assembly: &Assembly, chord: f64, last_level: u32, known: &mut Known) -> Vec<Farthest> {
     let checker = Checker::new(subject, assembly, chord);
-    let bounds = checker.by_root(|nest, i| Some(checker.bound(nest, &assembly.leaves[i])));
-    let bounds: Vec<f64> = bounds.into_iter().flatten().collect();
+    let bounds = checker.bounds(known);
     let mut found: Vec<Option<Farthest>> = vec![None; bounds.len()];
     let turns: [fn(f64) -> bool; 2] = [|bound| bound.is_finite(), |bound| !bound.is_finite()];
     for turn in turns {
-        let due = |i: usize| bounds[i] > chord && turn(bounds[i]);
-        let measured = checker.measure(due, known, SHARP * chord);
-        for ((all, measured), leaf) in found.iter_mut().zip(measured).zip(&assembly.leaves) {
-            let Some(measured) = measured else { continue };
-            *all = Some(measured.farthest);
+        let due: Vec<usize> = (0..bounds.len()).filter(|&i| bounds[i] > chord && turn(bounds[i])).collect();
+        for (i, measured) in checker.measure(&due, known, SHARP * chord) {
+            found[i] = Some(measured.farthest);
             if measured.alone {
-                known.0.insert(leaf.key(), measured.farthest);
+                known.alone.insert(assembly.leaves[i].key(), measured.farthest);
             }
         }
         let fails = |(leaf, found): (&Leaf, &Option<Farthest>)| {
@@ -58,10 +56,33 @@ pub fn check(subject: &Subject, assembly: &Assembly, chord: f64, last_level: u32
     checker.find_farthest(&bounds, found)
 }
 
-/// What was measured of leaves by their own triangles alone: it holds in the next forest, too, for those
-/// that are still there and cut as they were.
+/// What is known of leaves, whatever the forest around them.
 #[derive(Debug, Default)]
-pub struct Known(HashMap<LeafKey, Farthest>);
+pub struct Known {
+    /// What was measured by their own triangles alone: it holds in the next forest, too, for those that are
+    /// still there and cut as they were.
+    alone: HashMap<LeafKey, Farthest>,
+    /// How they stand off, of those in root faces that are no polynomials: by root face, ascending by level
+    /// and code.
+    stand_off: HashMap<FaceId, Vec<(Place, Deviation)>>,
+}
+
+impl Known {
+    /// Adds how leaves of a root face stand off.
+    pub fn learn(&mut self, root: FaceId, stand_off: Vec<(Place, Deviation)>) {
+        if !stand_off.is_empty() {
+            let all = self.stand_off.entry(root).or_default();
+            all.extend(stand_off);
+            all.sort_unstable_by_key(|(place, _)| place.key());
+        }
+    }
+
+    /// How a leaf of a root face stands off, if that is known.
+    fn stand_off(&self, place: Place) -> Option<&Deviation> {
+        let all = self.stand_off.get(&place.root())?;
+        all.binary_search_by_key(&place.key(), |(place, _)| place.key()).ok().map(|k| &all[k].1)
+    }
+}
 
 /// A leaf that was measured.
 #[derive(Clone, Copy, Debug)]
@@ -81,39 +102,30 @@ struct Checker<'a> {
     assembly: &'a Assembly,
     chord: f64,
     around: Around,
-    /// The unit normals of the triangles.
-    normals: Vec<DVec3>,
     weights: Vec<[f64; 3]>,
 }
 
 impl<'a> Checker<'a> {
     fn new(subject: &'a Subject, assembly: &'a Assembly, chord: f64) -> Self {
-        Self {
-            subject,
-            assembly,
-            chord,
-            around: assembly.around(),
-            normals: map_in_order(assembly.triangle_count(), |t| assembly.normal(t as u32)),
-            weights: Grid::Ninths.weights(),
-        }
+        Self { subject, assembly, chord, around: assembly.around(), weights: Grid::Ninths.weights() }
     }
 
-    /// What `of` makes of every leaf; leaves of one root face share its nest.
-    fn by_root<R: Send>(&self, of: impl Fn(&mut Nest<'a>, usize) -> Option<R> + Sync + Send) -> Vec<Option<R>> {
-        let faces = map_dear_in_order(self.subject.surface.mesh.face_count(), |f| {
-            let mut nest = Nest::new(&self.subject.limit, FaceId::new(f));
-            self.assembly.leaves_of(f).map(|i| of(&mut nest, i)).collect::<Vec<_>>()
+    /// Measures the leaves that are `due`, ascending, unless they are `known`. Distances up to `enough` are not
+    /// told apart.
+    fn measure(&self, due: &[usize], known: &Known, enough: f64) -> Vec<(usize, Measured)> {
+        let root = |i: usize| self.assembly.leaves[i].place.root();
+        // Leaves of one root face share its nest.
+        let faces: Vec<&[usize]> = due.chunk_by(|&a, &b| root(a) == root(b)).collect();
+        let measured = map_dear_in_order(faces.len(), |f| {
+            let mut nest = Nest::new(&self.subject.limit, root(faces[f][0]));
+            let measured = |&i: &usize| {
+                let leaf = &self.assembly.leaves[i];
+                let known = known.alone.get(&leaf.key()).map(|&farthest| Measured { farthest, alone: true });
+                (i, known.unwrap_or_else(|| self.farthest(&mut nest, leaf, enough, self.chord)))
+            };
+            faces[f].iter().map(measured).collect::<Vec<_>>()
         });
-        faces.into_iter().flatten().collect()
-    }
-
-    /// Measures the leaves that are `due` and not `known`. Distances up to `enough` are not told apart.
-    fn measure(&self, due: impl Fn(usize) -> bool + Sync + Send, known: &Known, enough: f64) -> Vec<Option<Measured>> {
-        let measured = |nest: &mut Nest<'a>, leaf: &Leaf| match known.0.get(&leaf.key()) {
-            Some(&farthest) => Measured { farthest, alone: true },
-            None => self.farthest(nest, leaf, enough, self.chord),
-        };
-        self.by_root(|nest, i| due(i).then(|| measured(nest, &self.assembly.leaves[i])))
+        measured.into_iter().flatten().collect()
     }
 
     /// Measures what may be the farthest until it is found. `found` holds what was measured already, from
@@ -167,19 +179,92 @@ impl<'a> Checker<'a> {
         Measured { farthest, alone: around.get().is_none() && !is_beyond(&farthest, enough) }
     }
 
-    /// No point of a leaf is farther from the triangles than this, or the other way round; infinite where
-    /// no polynomial tells.
-    fn bound(&self, nest: &mut Nest<'a>, leaf: &Leaf) -> f64 {
-        let spot = nest.spot(leaf.place.level, leaf.place.code);
-        let Some(quartic) = nest.quartic(spot) else { return f64::INFINITY };
-        let (deviation, first) = Inner::new(leaf.place, spot.level).deviation(quartic);
-        let turned = |w: [f64; 3]| core::array::from_fn(|c| w[(first + c) % 3]);
+    /// By leaf: no point of it is farther from the triangles than this, or the other way round; infinite where
+    /// details hide between the points that would tell.
+    fn bounds(&self, known: &Known) -> Vec<f64> {
+        let faces = map_dear_in_order(self.subject.surface.mesh.face_count(), |f| self.straight(f, known));
+        let mut bounds = Vec::with_capacity(self.assembly.leaves.len());
+        let mut off_rim =
+            vec![0.0_f64; if faces.iter().any(|f| !f.rims.is_empty()) { self.assembly.vertex_count() } else { 0 }];
+        let mut open = Vec::new();
+        for face in faces {
+            bounds.extend(face.bounds);
+            open.extend(face.beyond);
+            for (ends, off) in face.rims {
+                ends.iter().for_each(|&v| off_rim[v as usize] = off_rim[v as usize].max(off));
+            }
+        }
+        let slid = map_in_order(open.len(), |k| self.sliding_leaf(open[k].0, &open[k].1, &off_rim));
+        for ((i, _), slid) in open.iter().zip(slid) {
+            bounds[*i] = slid.min(bounds[*i]);
+        }
+        bounds
+    }
+
+    /// The same by distances to the places with the same weights, for the leaves of a root face.
+    fn straight(&self, face: usize, known: &Known) -> Straight {
+        let mut nest = Nest::new(&self.subject.limit, FaceId::new(face));
+        let mut found = Straight::default();
+        let mesh = &*self.subject.surface.mesh;
+        let on_border = (0..3).any(|c| mesh.twin(HalfedgeId::of(FaceId::new(face), c)).is_none());
+        for i in self.assembly.leaves_of(face) {
+            let leaf = &self.assembly.leaves[i];
+            let deviation = self.deviation(&mut nest, leaf.place, known);
+            if on_border {
+                let borders = borders(self.subject, leaf.place);
+                let off = |e: usize| deviation.map_or(f64::INFINITY, |deviation| self.off_rim(leaf, &deviation, e));
+                found.rims.extend((0..3).filter(|&e| borders[e]).map(|e| (leaf.edges()[e], off(e))));
+            }
+            let Some(deviation) = deviation else {
+                found.bounds.push(f64::INFINITY);
+                continue;
+            };
+            let bound = if self.assembly.triangles_of(leaf).len() == 1 {
+                greater(0.0, deviation.greatest())
+            } else {
+                let pieces = self.assembly.pieces(leaf);
+                let straight = pieces.iter().map(|piece| deviation.of_piece(piece.map(|(_, w)| w)).greatest());
+                straight.fold(0.0, greater)
+            };
+            if bound > SHARP * self.chord {
+                found.beyond.push((i, deviation));
+            }
+            found.bounds.push(bound);
+        }
+        found
+    }
+
+    /// How far the border over edge `edge` of a leaf is off it, across it in the leaf's plane.
+    fn off_rim(&self, leaf: &Leaf, deviation: &Deviation, edge: usize) -> f64 {
+        let corners = leaf.edges().map(|[from, _]| self.assembly.position(from));
+        let [a, b, c] = [0, 1, 2].map(|k| corners[(edge + k) % 3]);
+        let across = (b - a).cross((b - a).cross(c - a)).normalize_or_zero();
+        if across == DVec3::ZERO { f64::INFINITY } else { deviation.off_edge(edge, across) }
+    }
+
+    /// The same for leaf `i`, where the surface slides along it.
+    fn sliding_leaf(&self, i: usize, deviation: &Deviation, off_rim: &[f64]) -> f64 {
+        let leaf = &self.assembly.leaves[i];
         let of_piece = |(t, piece): (u32, &Piece)| {
-            let deviation = deviation.of_piece(piece.map(|(_, w)| turned(w)));
-            let straight = deviation.greatest();
-            if straight <= self.chord { straight } else { straight.min(self.sliding(&deviation, t)) }
+            let deviation = deviation.of_piece(piece.map(|(_, w)| w));
+            deviation.greatest().min(self.sliding(&deviation, t, off_rim))
         };
-        self.assembly.triangles_of(leaf).zip(&self.assembly.pieces(leaf)).map(of_piece).fold(0.0, f64::max)
+        self.assembly.triangles_of(leaf).zip(&self.assembly.pieces(leaf)).map(of_piece).fold(0.0, greater)
+    }
+
+    /// How a leaf stands off the triangle of its corners; `None` where details hide.
+    fn deviation(&self, nest: &mut Nest<'a>, place: Place, known: &Known) -> Option<Deviation> {
+        if nest.quartic(nest.root()).is_none()
+            && let Some(&deviation) = known.stand_off(place)
+        {
+            return Some(deviation);
+        }
+        let spot = nest.spot(place.level, place.code);
+        if let Some(quartic) = nest.quartic(spot) {
+            return Some(Inner::new(place, spot.level).deviation(quartic));
+        }
+        let hides = self.subject.reach.moves_below(place.level, place.code);
+        (!hides).then(|| Deviation::of_points(&nest.quarter_points(spot, false)))
     }
 
     /// The same for the part of a leaf over triangle `t`, which it stands off by `deviation`, where the
@@ -188,27 +273,44 @@ impl<'a> Checker<'a> {
     /// A foot beyond an edge is over a neighbour, or over another triangle at a corner, and as high over
     /// that as over this, but for how far it is beyond, times the sine of the angle between the two. Nor is
     /// any point of a triangle farther off: the surface over the triangles around hangs together, and so
-    /// do its feet, which leave none of the triangle out. Over a border there is no neighbour.
-    fn sliding(&self, deviation: &Deviation, t: u32) -> f64 {
-        let corners = self.assembly.corners(t);
-        let normal = self.normals[t as usize];
+    /// do its feet, which leave none of the triangle out. Over a border there is no neighbour: what is beyond
+    /// it lies between its edges and the border itself, which is off them by `off_rim` about each vertex.
+    fn sliding(&self, deviation: &Deviation, t: u32, off_rim: &[f64]) -> f64 {
+        let (corners, normal) = (self.assembly.corners(t), self.assembly.normal(t));
         if normal == DVec3::ZERO {
             return f64::INFINITY;
         }
-        let mut bend = 0.0_f64;
+        let (mut bend, mut across) = (0.0_f64, 0.0_f64);
         for v in self.assembly.triangle(t) {
-            let Some(fan) = self.around.whole(v) else { return f64::INFINITY };
-            for &other in fan {
-                let sine = normal.cross(self.normals[other as usize]).length();
+            across = across.max(off_rim.get(v as usize).copied().unwrap_or(0.0));
+            for &other in self.around.of(v) {
+                let other = self.assembly.normal(other);
                 // A triangle that faces away is no neighbour to slide to; nor is one without a normal.
-                let turned = normal.dot(self.normals[other as usize]) <= 0.0;
-                bend = bend.max(if turned { f64::INFINITY } else { sine });
+                let turned = normal.dot(other) <= 0.0;
+                bend = bend.max(if turned { f64::INFINITY } else { normal.cross(other).length() });
             }
         }
-        let beyond = (0..3).map(|e| {
-            let along = corners[(e + 1) % 3] - corners[e];
-            deviation.along(along.cross(normal).normalize_or_zero())
+        let high = (0..3).map(|e| {
+            let [a, b, c] = [0, 1, 2].map(|k| corners[(e + k) % 3]);
+            let outward = (b - a).cross(normal).normalize_or_zero();
+            let [beyond, high] = deviation.beyond(e, outward, outward.dot(a - c), normal);
+            high + bend * beyond
         });
-        deviation.along(normal) + bend * beyond.fold(0.0, f64::max)
+        high.fold(deviation.along(normal), greater).hypot(across)
     }
+}
+
+/// The greater bound; what is no number bounds nothing.
+fn greater(a: f64, b: f64) -> f64 {
+    if b.is_nan() { f64::INFINITY } else { a.max(b) }
+}
+
+/// What is found of the leaves of one root face.
+#[derive(Default)]
+struct Straight {
+    bounds: Vec<f64>,
+    /// Those beyond the chord or not far below it, which may be the farthest, and how they stand off.
+    beyond: Vec<(usize, Deviation)>,
+    /// The ends of edges on borders, and how far the border is off them.
+    rims: Vec<([u32; 2], f64)>,
 }

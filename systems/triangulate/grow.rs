@@ -2,20 +2,21 @@
 //!
 //! Where a face lies within one polynomial, the polynomial says how far it is from its triangle at most,
 //! and whether it is quartered; elsewhere, beside given borders, irregular vertices and details, fifteen
-//! points of it say so. A face that is quartered is gone through to the end at once.
+//! points of it say so. A face that is quartered is gone through to the end at once. How the leaves stand off
+//! is kept for the check.
 
 use core::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
 use selvedge_components::mesh::FaceId;
-use selvedge_components::subdivision::FaceCode;
 use selvedge_components::subdivision::boxspline::Quartic;
+use selvedge_components::subdivision::{Deviation, FaceCode};
 
-use super::check::is_beyond;
+use super::check::{Known, is_beyond};
 use super::forest::Forest;
 use super::inner::Inner;
 use super::measure::{Facet, Over};
-use super::sample::{Grid, Place, Sampled};
+use super::sample::{Farthest, Grid, Place, Sampled, borders, corners_of, farthest_of};
 use super::{Subject, TriangulateError, TriangulateOptions, within_budget};
 use crate::parallel::map_dear_in_order;
 use crate::subdivision::limit::Nest;
@@ -28,7 +29,7 @@ use crate::subdivision::limit::Nest;
 pub const MARGIN: f64 = 0.85;
 
 /// Quarters leaves until all but those of the last level pass; `new` are the ones not yet looked at, by
-/// level.
+/// level. What leaves stand off by becomes `known`.
 ///
 /// # Errors
 /// [`TriangulateError::LimitNotFinite`], [`TriangulateError::TooManyTriangles`].
@@ -38,6 +39,7 @@ pub fn grow(
     mut new: Vec<Vec<FaceCode>>,
     chord: f64,
     options: &TriangulateOptions,
+    known: &mut Known,
 ) -> Result<(), TriangulateError> {
     within_budget(forest.leaf_count(), options)?;
     new.truncate(options.last_level as usize);
@@ -51,13 +53,32 @@ pub fn grow(
     let growth =
         Growth { subject, chord, options, weights: Grid::Quarters.weights(), leaves: forest.leaf_count().into() };
     let mut failing = vec![Vec::new(); options.last_level as usize];
-    for found in map_dear_in_order(roots.len(), |i| growth.too_far(roots[i])) {
-        found?.into_iter().for_each(|place| failing[place.level as usize].push(place.code));
+    for (places, found) in roots.iter().zip(map_dear_in_order(roots.len(), |i| growth.too_far(roots[i]))) {
+        let found = found?;
+        found.too_far.iter().for_each(|place| failing[place.level as usize].push(place.code));
+        known.learn(places[0].root(), found.stand_off);
     }
     within_budget(growth.leaves.into_inner(), options)?;
     failing.iter_mut().for_each(|codes| codes.sort_unstable());
     forest.split(&subject.surface.mesh, &failing);
     within_budget(forest.leaf_count(), options)
+}
+
+/// What is found of one root face.
+#[derive(Default)]
+struct Found {
+    /// What is to be quartered.
+    too_far: Vec<Place>,
+    /// How leaves stand off, where that is not plain to see.
+    stand_off: Vec<(Place, Deviation)>,
+}
+
+/// What is found of one face.
+struct Seen {
+    /// Is it to be quartered?
+    far: bool,
+    /// If so, are its quarters likely to be, too?
+    deeper: bool,
 }
 
 /// What does not change from face to face.
@@ -72,45 +93,84 @@ struct Growth<'a> {
 
 impl Growth<'_> {
     /// Those of new leaves in one root face, and of what lies below them, that stand off too far.
-    fn too_far(&self, places: &[Place]) -> Result<Vec<Place>, TriangulateError> {
-        let mut too_far = Vec::new();
+    fn too_far(&self, places: &[Place]) -> Result<Found, TriangulateError> {
+        let mut found = Found::default();
         let mut nest = Nest::new(&self.subject.limit, places.first().map_or(FaceId::new(0), Place::root));
         for &place in places {
-            self.descend(&mut nest, place, &mut too_far)?;
+            self.descend(&mut nest, place, true, &mut found)?;
         }
-        Ok(too_far)
+        Ok(found)
     }
 
-    fn descend(&self, nest: &mut Nest, place: Place, too_far: &mut Vec<Place>) -> Result<(), TriangulateError> {
+    /// Goes into a face; `deep` if its quarters are likely to be gone into as well.
+    fn descend(&self, nest: &mut Nest, place: Place, deep: bool, found: &mut Found) -> Result<(), TriangulateError> {
         if place.level == self.options.last_level {
             return Ok(());
         }
-        let spot = nest.spot(place.level, place.code);
-        let verdict = nest.quartic(spot).map(|quartic| judge(quartic, Inner::new(place, spot.level), self.chord));
-        let far = match verdict {
-            Some(Verdict::Keeps) => false,
-            Some(Verdict::TooFar) => true,
-            Some(Verdict::Unsure) | None => self.is_sampled_too_far(nest, place)?,
-        };
+        let Seen { far, deeper } = self.look_at(nest, place, deep, &mut found.stand_off)?;
         // Past the budget nothing comes of it: however many are counted by then, too many is too many.
         if far && within_budget(self.leaves.fetch_add(3, Ordering::Relaxed), self.options).is_ok() {
-            too_far.push(place);
+            found.too_far.push(place);
             for child in 0..4 {
                 let child = Place { level: place.level + 1, code: place.code.child(child) };
-                self.descend(nest, child, too_far)?;
+                self.descend(nest, child, deeper, found)?;
             }
         }
         Ok(())
+    }
+
+    /// Looks at a face. How it stands off goes to `stand_off`, if it is not to be quartered and that is not as
+    /// soon found again.
+    fn look_at(
+        &self,
+        nest: &mut Nest,
+        place: Place,
+        deep: bool,
+        stand_off: &mut Vec<(Place, Deviation)>,
+    ) -> Result<Seen, TriangulateError> {
+        let spot = nest.spot(place.level, place.code);
+        if let Some(quartic) = nest.quartic(spot) {
+            let inner = Inner::new(place, spot.level);
+            let deviation = inner.deviation(quartic);
+            let far = match judge(quartic, inner, &deviation, self.chord) {
+                Verdict::Keeps => false,
+                Verdict::TooFar => true,
+                Verdict::Unsure => self.is_sampled_too_far(nest, place)?,
+            };
+            // In a root face that is one polynomial it is as soon found again as looked up.
+            if !far && spot != nest.root() {
+                stand_off.push((place, deviation));
+            }
+            return Ok(Seen { far, deeper: true });
+        }
+        if self.subject.reach.moves_below(place.level, place.code) {
+            // Fifteen points say nothing about details between them.
+            return Ok(Seen { far: self.is_sampled_too_far(nest, place)?, deeper: true });
+        }
+        let points = nest.quarter_points(spot, deep);
+        let (facet, borders) = (Facet::new(corners_of(&points)), borders(self.subject, place));
+        let found = farthest_of(&points, borders, &self.weights, |x| alone(x, &facet, borders));
+        let far = self.is_too_far(place, &found)?;
+        // Distances fall to a quarter from level to level.
+        let deeper = is_beyond(&found, 4.0 * MARGIN * self.chord);
+        if !far {
+            stand_off.push((place, Deviation::of_points(&points)));
+        }
+        Ok(Seen { far, deeper })
     }
 
     fn is_sampled_too_far(&self, nest: &mut Nest, place: Place) -> Result<bool, TriangulateError> {
         let mut sampled = Sampled::new(self.subject, nest, place);
         let (triangle, borders) = (Facet::new(sampled.corners()), sampled.borders());
         let found = sampled.farthest(&self.weights, |x| alone(x, &triangle, borders));
+        self.is_too_far(place, &found)
+    }
+
+    fn is_too_far(&self, place: Place, found: &Farthest) -> Result<bool, TriangulateError> {
         if !found.at.is_finite() {
             return Err(TriangulateError::LimitNotFinite { face: place.root(), at: found.at });
         }
-        Ok(is_beyond(&found, MARGIN * self.chord))
+        Ok(is_beyond(found, MARGIN * self.chord))
     }
 }
 
@@ -125,8 +185,7 @@ enum Verdict {
 /// A face keeps the chord where no point is farther from the point of its triangle with the same
 /// weights. Nor is it too far if heights over the triangle keep it: what slides beyond is over a
 /// neighbour.
-fn judge(quartic: &Quartic, inner: Inner, chord: f64) -> Verdict {
-    let (deviation, _) = inner.deviation(quartic);
+fn judge(quartic: &Quartic, inner: Inner, deviation: &Deviation, chord: f64) -> Verdict {
     if deviation.greatest() <= chord {
         return Verdict::Keeps;
     }

@@ -42,11 +42,11 @@ impl Inner {
         (0..3).find(|&c| along(c)).unwrap_or(0)
     }
 
-    /// How it stands off its triangle, and the corner that is the first there.
-    pub fn deviation(&self, quartic: &Quartic) -> (Deviation, usize) {
+    /// How it stands off its triangle.
+    pub fn deviation(&self, quartic: &Quartic) -> Deviation {
         let base = self.base();
         let [from, to] = [base, (base + 1) % 3].map(|c| self.corners[c]);
         let size = if to.0 > from.0 { self.step() } else { -self.step() };
-        (Deviation::new(quartic, self.corners()[base], size), base)
+        Deviation::new(quartic, self.corners()[base], size).turned(base)
     }
 }

@@ -28,6 +28,11 @@ impl Reach {
         self.moved.len() as u32
     }
 
+    /// Has a face of `level` descendants with a detail at a corner?
+    pub fn moves_below(&self, level: u32, face: FaceCode) -> bool {
+        (level + 1..self.depth()).any(|finer| !self.moved_below(level, face, finer).is_empty())
+    }
+
     /// The descendants, at `finer`, of a face of `level` that have a corner with a detail.
     pub fn moved_below(&self, level: u32, face: FaceCode, finer: u32) -> &[FaceCode] {
         let Some(moved) = self.moved.get(finer as usize) else { return &[] };

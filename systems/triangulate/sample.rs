@@ -3,7 +3,7 @@
 use glam::DVec3;
 use selvedge_components::evaluate::SurfacePoint;
 use selvedge_components::mesh::{FaceId, HalfedgeId};
-use selvedge_components::subdivision::FaceCode;
+use selvedge_components::subdivision::{FaceCode, QuarterPoints};
 use smallvec::SmallVec;
 
 use super::Subject;
@@ -72,6 +72,11 @@ pub struct Place {
 }
 
 impl Place {
+    /// What places are told apart by.
+    pub fn key(&self) -> (u32, u64) {
+        (self.level, self.code.0)
+    }
+
     /// The root face that it lies in.
     pub fn root(&self) -> FaceId {
         self.code.root_face(self.level)
@@ -224,6 +229,28 @@ impl<'n, 'a> Sampled<'n, 'a> {
     }
 }
 
+/// The farthest of the points that divide the edges of a face by four, the corners left out, as
+/// [`Sampled::farthest`] finds it.
+pub fn farthest_of(
+    points: &QuarterPoints,
+    borders: [bool; 3],
+    weights: &[[f64; 3]],
+    mut near: impl FnMut(DVec3) -> f64,
+) -> Farthest {
+    let mut farthest = Farthest::default();
+    let corners = corners_of(points);
+    let inner = [1, 2, 3, 5, 6, 7, 8, 9, 10, 11, 12, 13].map(|k| points[k]);
+    for (&x, &w) in inner.iter().zip(weights) {
+        farthest.see(x, on_border(x, w, borders, corners).unwrap_or_else(|| near(x)));
+    }
+    farthest
+}
+
+/// The corners of the face with these points.
+pub fn corners_of(points: &QuarterPoints) -> [DVec3; 3] {
+    [points[0], points[14], points[4]]
+}
+
 /// The squared distance of a point of the border to the edge that stands for it; `None` off the
 /// border. Where the border is concave the triangle reaches beyond the surface, and the inside of the
 /// triangle is no match for it.
@@ -233,7 +260,7 @@ fn on_border(x: DVec3, weights: [f64; 3], border: [bool; 3], corners: [DVec3; 3]
 }
 
 /// Which edges of a face lie on a border.
-fn borders(subject: &Subject, Place { level, code }: Place) -> [bool; 3] {
+pub fn borders(subject: &Subject, Place { level, code }: Place) -> [bool; 3] {
     let (n, root) = (1_u32 << level, code.root_face(level));
     let corners = code.corners(level).map(|(i, j)| [n - i - j, i, j]);
     [0, 1, 2].map(|edge| {

@@ -5,9 +5,10 @@
 //! rings a step.
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use super::patch::Patch;
-use super::ring::Ring;
+use super::ring::{self, Beside, Ring};
 use crate::subdivision::level::{NONE, sample};
 use crate::subdivision::surface::Border;
 
@@ -42,14 +43,11 @@ impl PatchLattice {
         let steps = 1 << depth;
         let mut net = ControlLattice::new(patch);
         (0..depth).for_each(|_| net = net.finer());
-        // The mask of a neighbour of a special corner is wrong for one step more.
-        let special = patch.rings.iter().any(|r| r.corner != NONE || !r.beside.is_empty());
-        let every = if special { 2 } else { 1 };
-        if special {
-            net = net.finer();
+        let mut points = Vec::with_capacity((steps + 1) * (steps + 2) / 2);
+        for i in 0..=steps as isize {
+            points.extend((0..=steps as isize - i).map(|j| net.limit((i, j))));
         }
-        let row = |i: usize| (0..=steps - i).map(move |j| (every * i, every * j));
-        Self { steps, points: (0..=steps).flat_map(row).map(|(i, j)| net.limit((i as isize, j as isize))).collect() }
+        Self { steps, points }
     }
 
     /// Steps along an edge; 0 for no lattice.
@@ -225,6 +223,10 @@ impl<'a> ControlLattice<'a> {
         let on_edge = [place.1 == 0, place.0 + place.1 == n, place.0 == 0];
         let border = (0..3).find_map(|c| self.borders[c].as_ref().filter(|_| on_edge[c]).map(|row| (c, row)));
         let Some((c, border)) = border else {
+            let beside = self.special_corners_beside(place);
+            if !beside.is_empty() {
+                return self.ring_inside(place, beside).limit(scheme);
+            }
             return self.points[at] * 0.5 + self.around(at) * (1.0 / 12.0);
         };
         if let Some(given) = &border.given {
@@ -234,6 +236,38 @@ impl<'a> ControlLattice<'a> {
         let (di, dj) = ALONG[c][0];
         let sides = self.at(moved(place, (di, dj))) + self.at(moved(place, (-di, -dj)));
         self.points[at] * (2.0 / 3.0) + sides * (1.0 / 6.0)
+    }
+}
+
+/// The directions to the neighbours of a point inside, counter-clockwise.
+const AROUND: [Place; 6] = [(1, 0), (0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1)];
+
+impl ControlLattice<'_> {
+    /// The corners beside a point whose edges have rules of their own: the mask does not know of them.
+    fn special_corners_beside(&self, place: Place) -> SmallVec<[Beside; 2]> {
+        let mut beside = SmallVec::new();
+        for (c, ring) in self.rings.iter().enumerate().filter(|(_, ring)| ring.corner != NONE) {
+            let ((i, j), at) = (self.corner(c), self.patch.at[c]);
+            for (direction, back) in ALONG[c].into_iter().zip([at, ring.turn(at, 1)]) {
+                let spoke = AROUND.iter().position(|&(di, dj)| (-di, -dj) == direction);
+                if let Some(spoke) = spoke.filter(|_| moved((i, j), direction) == place) {
+                    beside.push(Beside { spoke, corner: ring.corner, back });
+                }
+            }
+        }
+        beside
+    }
+
+    /// The ring of a point on no border that is no corner.
+    fn ring_inside(&self, place: Place, beside: SmallVec<[Beside; 2]>) -> Ring {
+        Ring {
+            level: self.rings[0].level,
+            centre: self.at(place),
+            spokes: AROUND.iter().map(|&way| self.at(moved(place, way))).collect(),
+            place: ring::Place::Inside,
+            corner: NONE,
+            beside,
+        }
     }
 }
 

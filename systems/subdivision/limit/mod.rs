@@ -147,6 +147,18 @@ impl LimitSurface {
         })
     }
 
+    /// The rings of the corners of a kept face in which nothing but subdivision is left to come, whatever
+    /// else evaluates it; `None` of another.
+    pub fn patch(&self, Kept { level, face }: Kept) -> Option<Patch<'_>> {
+        let kept = self.levels.get(level as usize)?;
+        let Level { mesh, state } = &kept.level;
+        let is_whole = |v: &u32| mesh.vertices[*v as usize].ring != RingState::Cut;
+        let is_settled = kept.unsettled.binary_search(mesh.codes.get(face as usize)?).is_err();
+        let scheme = Scheme { surface: &self.surface, corners: &self.corners };
+        let whole = is_settled && mesh.corners[face as usize].iter().all(is_whole);
+        whole.then(|| Patch::of(scheme, mesh, state, face))
+    }
+
     /// The unit normal at the root vertex that `h` leaves, whatever angle its faces span; zero where there
     /// is none.
     ///

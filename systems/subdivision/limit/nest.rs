@@ -3,7 +3,7 @@
 use glam::DVec3;
 use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::boxspline::Quartic;
-use selvedge_components::subdivision::{Descent, FaceCode, Patch, PatchLattice};
+use selvedge_components::subdivision::{Descent, FaceCode, Patch, PatchLattice, QuarterPoints};
 use smallvec::SmallVec;
 
 use super::{Kept, LimitSurface, Piece};
@@ -16,6 +16,7 @@ use super::{Kept, LimitSurface, Piece};
 pub struct Nest<'a> {
     limit: &'a LimitSurface,
     nodes: Vec<Node<'a>>,
+    lattices: Vec<PatchLattice>,
 }
 
 #[derive(Debug)]
@@ -23,11 +24,76 @@ struct Node<'a> {
     body: Body<'a>,
     /// The first of its quarters, once they are there.
     children: Option<u32>,
+    /// Where its points stand in a lattice of its own or of a face around it.
+    view: Option<View>,
+}
+
+impl<'a> Node<'a> {
+    fn new(body: Body<'a>, view: Option<View>) -> Self {
+        Self { body, children: None, view }
+    }
+}
+
+/// A face within a lattice.
+#[derive(Clone, Copy, Debug)]
+struct View {
+    lattice: u32,
+    /// Its corners, in steps towards the second and the third corner of the lattice.
+    corners: [(usize, usize); 3],
+}
+
+/// Steps of [`QuarterPoints`] along an edge.
+const QUARTERS: usize = 1 << QUARTERS_DEPTH;
+const QUARTERS_DEPTH: u32 = 2;
+
+impl View {
+    /// All of a lattice.
+    fn whole(lattice: u32, steps: usize) -> Self {
+        Self { lattice, corners: [(0, 0), (steps, 0), (0, steps)] }
+    }
+
+    /// How many steps of the lattice its edges have.
+    fn steps(&self) -> usize {
+        let [a, b, _] = self.corners;
+        a.0.abs_diff(b.0).max(a.1.abs_diff(b.1))
+    }
+
+    /// Its quarters, as long as their edges have [`QUARTERS`] steps.
+    fn quarters(&self) -> [Option<Self>; 4] {
+        let middle = |p: (usize, usize), q: (usize, usize)| (usize::midpoint(p.0, q.0), usize::midpoint(p.1, q.1));
+        let [a, b, c] = self.corners;
+        let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+        let all = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+        let is_fine = self.steps() >= 2 * QUARTERS;
+        all.map(|corners| is_fine.then_some(Self { lattice: self.lattice, corners }))
+    }
+
+    fn points(&self, lattice: &PatchLattice) -> QuarterPoints {
+        let place = |i: usize, j: usize| {
+            let part = |of: fn((usize, usize)) -> usize| {
+                let [a, b, c] = self.corners.map(of);
+                (a * (QUARTERS - i - j) + b * i + c * j) / QUARTERS
+            };
+            lattice.point(part(|p| p.0), part(|p| p.1))
+        };
+        by_quarters(place)
+    }
+}
+
+/// What `of` gives for each of the [`QuarterPoints`], by steps towards the second and the third corner.
+fn by_quarters(mut of: impl FnMut(usize, usize) -> DVec3) -> QuarterPoints {
+    let (mut i, mut j) = (0, 0);
+    core::array::from_fn(|_| {
+        let point = of(i, j);
+        (i, j) = if i + j == QUARTERS { (i + 1, 0) } else { (i, j + 1) };
+        point
+    })
 }
 
 #[derive(Debug)]
 enum Body<'a> {
-    Kept([Kept; 4]),
+    /// Itself and its quarters.
+    Kept(Kept, [Kept; 4]),
     Quartic(Box<Quartic>),
     /// With the lattice that has been asked for so far, if any.
     Patch(Box<Patch<'a>>, Option<Box<PatchLattice>>),
@@ -50,8 +116,8 @@ const KEPT_DEPTH: u32 = 8;
 impl<'a> Nest<'a> {
     /// The root face `face`, and nothing in it yet.
     pub fn new(limit: &'a LimitSurface, face: FaceId) -> Self {
-        let body = body_of(limit.piece(limit.root(face)));
-        Self { limit, nodes: vec![Node { body, children: None }] }
+        let body = body_of(limit, limit.root(face));
+        Self { limit, nodes: vec![Node::new(body, None)], lattices: Vec::new() }
     }
 
     /// The face `code` of `level`, which lies in the root face.
@@ -79,11 +145,12 @@ impl<'a> Nest<'a> {
         let first = self.nodes.len() as u32;
         let mut children = SmallVec::<[Body<'a>; 4]>::new();
         match &self.nodes[node as usize].body {
-            Body::Kept(kept) => children.extend(kept.map(|kept| body_of(self.limit.piece(kept)))),
+            Body::Kept(_, kept) => children.extend(kept.map(|kept| body_of(self.limit, kept))),
             Body::Patch(patch, _) => patch.quarters(|quarter| children.push(body_of_patch(quarter))),
             Body::Quartic(_) | Body::Nothing => children.extend([const { Body::Nothing }; 4]),
         }
-        self.nodes.extend(children.into_iter().map(|body| Node { body, children: None }));
+        let views = self.nodes[node as usize].view.map_or([None; 4], |view| view.quarters());
+        self.nodes.extend(children.into_iter().zip(views).map(|(body, view)| Node::new(body, view)));
         self.nodes[node as usize].children = Some(first);
         first
     }
@@ -93,6 +160,33 @@ impl<'a> Nest<'a> {
         match &self.nodes[spot.node as usize].body {
             Body::Quartic(quartic) => Some(quartic),
             _ => None,
+        }
+    }
+
+    /// The limit points that divide the edges of a face by four.
+    ///
+    /// Where nothing but subdivision is left to come they are made all at once; if its quarters are `next`,
+    /// together with those of these.
+    pub fn quarter_points(&mut self, spot: Spot, next: bool) -> QuarterPoints {
+        let node = spot.node as usize;
+        if self.nodes[node].view.is_none() {
+            let depth = if next { QUARTERS_DEPTH + 1 } else { QUARTERS_DEPTH };
+            let lattice = match &self.nodes[node].body {
+                Body::Patch(patch, _) => Some(PatchLattice::new(patch, depth)),
+                Body::Kept(own, _) => self.limit.patch(*own).map(|patch| PatchLattice::new(&patch, depth)),
+                Body::Quartic(_) | Body::Nothing => None,
+            };
+            if let Some(lattice) = lattice {
+                self.nodes[node].view = Some(View::whole(self.lattices.len() as u32, lattice.steps()));
+                self.lattices.push(lattice);
+            }
+        }
+        match self.nodes[node].view {
+            Some(view) => view.points(&self.lattices[view.lattice as usize]),
+            None => by_quarters(|i, j| {
+                let [s, t] = [i, j].map(|steps| steps as f64 / QUARTERS as f64);
+                self.position(spot, [1.0 - s - t, s, t])
+            }),
         }
     }
 
@@ -106,7 +200,7 @@ impl<'a> Nest<'a> {
             match &mut self.nodes[spot.node as usize].body {
                 Body::Quartic(quartic) => return quartic.position(way.weights[1], way.weights[2]),
                 Body::Nothing => return DVec3::NAN,
-                Body::Kept(_) => {}
+                Body::Kept(..) => {}
                 Body::Patch(patch, lattice) => {
                     // Corners need no lattice, and whoever asks for them may need a finer one next.
                     let is_corner = way.weights.contains(&1.0);
@@ -152,9 +246,9 @@ impl LatticePlace {
     }
 }
 
-fn body_of(piece: Option<Piece<'_>>) -> Body<'_> {
-    match piece {
-        Some(Piece::Children(children)) => Body::Kept(children),
+fn body_of(limit: &LimitSurface, face: Kept) -> Body<'_> {
+    match limit.piece(face) {
+        Some(Piece::Children(children)) => Body::Kept(face, children),
         Some(Piece::Quartic(quartic)) => Body::Quartic(Box::new(quartic)),
         Some(Piece::Patch(patch)) => body_of_patch(patch),
         None => Body::Nothing,
