@@ -96,3 +96,27 @@ fn what_is_no_result_is_not_baked() {
     engine.world_mut().despawn(gone);
     assert_eq!(engine.bake(gone), Err(BakeError::NotAResult { entity: gone }));
 }
+
+/// The details of a surface that was trimmed before show between the places at which a coarse level is
+/// measured: trims of it keep their tolerance all the same, wherever they lie.
+#[test]
+fn trims_of_a_baked_result_keep_their_tolerance() {
+    let mut engine = Engine::new();
+    let given = plate();
+    let source = engine.spawn_surface(&given);
+    let bore = ring(&mut engine, DVec2::new(-0.02, 0.0), 0.05, &given);
+    engine.spawn_trim(source, &bore, tolerance(), TrimOptions::default());
+    engine.settle().expect("trims end");
+    let baked = engine.bake(engine.result(source).expect("a result")).expect("it is the present one");
+    for k in 0..12 {
+        let turn = DVec2::from_angle(0.5236 * f64::from(k));
+        let through = ring(&mut engine, DVec2::new(-0.02, 0.0) + 0.061 * turn, 0.03 + 0.001 * f64::from(k), &given);
+        let trim = engine.spawn_trim(baked, &through, tolerance(), TrimOptions::default());
+        engine.settle().expect("trims end");
+        match engine.trim_progress(trim) {
+            Some(TrimProgress::Finished(report)) => assert!(report.audit.greatest().0 <= TOLERANCE),
+            other => panic!("{k}: {other:?}"),
+        }
+        engine.world_mut().despawn(trim);
+    }
+}

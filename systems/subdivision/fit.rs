@@ -45,6 +45,10 @@ pub struct FitWork {
     /// Greatest error among patches that are not worked on any more, and where.
     pub(super) settled: (f64, DVec3),
     pub(super) unreachable: (f64, DVec3),
+    /// By level, that after the root's first: the patches that hold details which the surface came with. They
+    /// are measured at every level that has such, wherever else the fit works: details of a level show two
+    /// levels deeper.
+    pub(super) watched: Vec<Vec<FaceCode>>,
     /// Where to look first.
     pub(super) natural: Natural,
 }
@@ -64,7 +68,10 @@ impl FitWork {
             return Err(FitError::NotFinite { vertex: VertexId::new(v), at: surface.points[v] });
         }
         let level = first_level(&surface)?;
-        let opening = Opening::new(level, region::whole(&surface.mesh, level));
+        let opening = Opening::new(level, region::whole(&surface.mesh, level), Vec::new());
+        let detailed = region::detailed(&surface.mesh, &details);
+        let watched = (1..).zip(detailed).map(|(level, faces)| within(&options.region, &surface, level, faces));
+        let watched = watched.collect();
         Ok(Self {
             given,
             surface,
@@ -80,6 +87,7 @@ impl FitWork {
             outcome: None,
             settled: (0.0, DVec3::ZERO),
             unreachable: (0.0, DVec3::ZERO),
+            watched,
             natural: Natural::default(),
         })
     }

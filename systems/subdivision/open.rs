@@ -56,6 +56,8 @@ pub(super) struct OpenLevel {
 pub(super) struct Opening {
     /// Its faces that are worked on; then what they take along, ring by ring.
     faces: Vec<FaceCode>,
+    /// Its faces that are measured in any case.
+    watched: Vec<FaceCode>,
     rings: Rings,
     way: Way,
     open: OpenLevel,
@@ -99,10 +101,11 @@ enum Part {
 const VERTICES: u32 = 1 << 15;
 
 impl Opening {
-    /// Begins to open `level` with the vertices around `faces` movable.
-    pub fn new(level: u32, faces: Vec<FaceCode>) -> Self {
+    /// Begins to open `level` with the vertices around `faces` movable, to be measured over what these
+    /// influence and over `watched` faces.
+    pub fn new(level: u32, faces: Vec<FaceCode>, watched: Vec<FaceCode>) -> Self {
         let open = OpenLevel { level, ..OpenLevel::default() };
-        Self { faces, rings: Rings::default(), way: Way::default(), open, next: Part::Rings }
+        Self { faces, watched, rings: Rings::default(), way: Way::default(), open, next: Part::Rings }
     }
 
     /// Takes the next step; the level, once it is open.
@@ -112,7 +115,7 @@ impl Opening {
         let local = |at: &LevelMesh, faces: &[FaceCode]| faces.iter().filter_map(|&f| at.find(f)).collect::<Vec<_>>();
         self.next = match core::mem::take(&mut self.next) {
             Part::Rings => {
-                (*rings, open.influenced) = Rings::around(surface, *level, &self.faces);
+                (*rings, open.influenced) = Rings::around(surface, *level, &self.faces, &self.watched);
                 self.way = Way::to(surface, *level, &rings.held);
                 Part::Root
             }
@@ -178,12 +181,17 @@ impl Opening {
 }
 
 impl Rings {
-    /// The rings, and the patches that the movable vertices influence.
-    fn around(surface: &LoopSurface, level: u32, faces: &[FaceCode]) -> (Self, Vec<FaceCode>) {
+    /// The rings, and the patches that are measured: those that the movable vertices influence, and
+    /// those that are `watched`.
+    fn around(surface: &LoopSurface, level: u32, faces: &[FaceCode], watched: &[FaceCode]) -> (Self, Vec<FaceCode>) {
         let grow = |faces: &[FaceCode]| region::neighbourhood(&surface.mesh, level, faces);
         // A vertex of N(faces) moves the patches of its two rings.
         let around = grow(faces);
-        let influenced = grow(&grow(&around));
+        let mut influenced = grow(&grow(&around));
+        if !watched.is_empty() {
+            influenced.extend(watched);
+            influenced = region::ascending(influenced);
+        }
         let rim = grow(&influenced);
         let mut held = grow(&rim);
         if level > 0 {

@@ -97,7 +97,8 @@ impl FitWork {
             return Ok(self.finish(self.judgement((rung.max, rung.max_at))));
         }
         let spent = self.open.level == self.options.last_level;
-        if spent || patches.iter().all(|p| p.1 <= self.limit()) {
+        let known = self.watched(self.open.level + 1).is_empty();
+        if spent || (known && patches.iter().all(|p| p.1 <= self.limit())) {
             return Ok(self.finish(self.judgement((rung.max, rung.max_at))));
         }
         if self.is_stalled() {
@@ -112,9 +113,10 @@ impl FitWork {
         self.options.stalled_at.is_some_and(|share| self.leaves_more_than(share, |rung| rung.max))
     }
 
+    /// Where details were there before, a level may show what none before it could: that says nothing.
     fn leaves_more_than(&self, share: f64, of: impl Fn(&Rung) -> f64) -> bool {
         let [.., a, b, c] = &self.ladder[..] else { return false };
-        of(b) > share * of(a) && of(c) > share * of(b)
+        b.level as usize > self.watched.len() && of(b) > share * of(a) && of(c) > share * of(b)
     }
 
     /// The error at which a patch is not good enough.
@@ -149,8 +151,13 @@ impl FitWork {
         let failing: Vec<FaceCode> = self.open.errors.iter().filter(|p| p.1 > self.limit()).map(|p| p.0).collect();
         let level = self.open.level + 1;
         let faces = within(&self.options.region, &self.surface, level, region::children(&failing));
-        self.opening = Some(Opening::new(level, faces));
+        self.opening = Some(Opening::new(level, faces, self.watched(level).to_vec()));
         Quantum::More
+    }
+
+    /// The patches of a level that are measured in any case, for details that were there before.
+    fn watched(&self, level: u32) -> &[FaceCode] {
+        self.watched.get(level.wrapping_sub(1) as usize).map_or(&[], Vec::as_slice)
     }
 
     /// Goes on with a level that has been opened.
@@ -167,7 +174,7 @@ impl FitWork {
             return Ok(Quantum::More);
         }
         let (level, patches) = (next.level, &self.open.errors);
-        if next.movable.is_empty() {
+        if next.movable.is_empty() && self.watched(level).is_empty() {
             self.unreachable = worst(patches.iter());
             let all = larger(self.unreachable, self.settled);
             return Ok(self.finish(self.judgement(all)));
@@ -184,7 +191,8 @@ impl FitWork {
         }
         self.settled = larger(self.settled, left);
         self.open = next;
-        Ok(self.go_to(Stage::Correspond))
+        // With nothing to move there is only to measure.
+        Ok(if self.open.movable.is_empty() { Quantum::More } else { self.go_to(Stage::Correspond) })
     }
 
     fn rung(&self, patches: &[(FaceCode, f64, DVec3)]) -> Rung {

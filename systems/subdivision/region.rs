@@ -1,7 +1,7 @@
 //! Sets of faces of one level, as ascending codes.
 
 use selvedge_components::mesh::{Connectivity, HalfedgeId};
-use selvedge_components::subdivision::{Address, FaceCode};
+use selvedge_components::subdivision::{Address, Details, FaceCode};
 
 use crate::parallel::map_dear_in_order;
 
@@ -102,6 +102,28 @@ pub fn parents(faces: &[FaceCode]) -> Vec<FaceCode> {
 /// The children of `faces`.
 pub fn children(faces: &[FaceCode]) -> Vec<FaceCode> {
     faces.iter().flat_map(|f| (0..4).map(move |c| f.child(c))).collect()
+}
+
+/// By level, that after the root's first: the faces that a detail of the level or of a finer one shapes.
+///
+/// That is the faces of two rings around a detail, and no others: what lies beyond keeps the way in which it
+/// is evaluated, and so its bits. An address that its level does not have stands for nothing.
+pub fn detailed(mesh: &Connectivity, details: &Details) -> Vec<Vec<FaceCode>> {
+    let mut detailed = vec![Vec::new(); details.depth().saturating_sub(1) as usize];
+    let mut finer = Vec::new();
+    for (level, faces) in (1_u32..).zip(&mut detailed).collect::<Vec<_>>().into_iter().rev() {
+        let stored = details.levels.get(level as usize).map_or(&[][..], Vec::as_slice);
+        let mut around = Vec::new();
+        for (face, corner) in stored.iter().filter_map(|&(address, _)| corner_at(mesh, level, address)) {
+            around.push(face);
+            fan(mesh, level, face, corner, &mut around);
+        }
+        let mut all = neighbourhood(mesh, level, &ascending(around));
+        all.append(&mut finer);
+        *faces = ascending(all);
+        finer = parents(faces);
+    }
+    detailed
 }
 
 /// Is every face of `some` in `all`? Both ascend.

@@ -92,30 +92,16 @@ impl Plan {
 /// corners, which want one level between corners.
 fn unsettled_faces(surface: &LoopSurface, corners: &CornerTable) -> Vec<Vec<FaceCode>> {
     let mesh = &surface.mesh;
-    let mut unsettled = vec![Vec::new(); surface.details.depth().saturating_sub(1) as usize];
+    let detailed = region::detailed(mesh, &surface.details);
+    let mut unsettled: Vec<Vec<FaceCode>> = detailed.iter().map(|faces| region::parents(faces)).collect();
     let special = corners.corners.iter().flat_map(|c| mesh.ring(c.vertex)).map(|h| FaceCode::root(h.face()));
     let special = region::neighbourhood(mesh, 0, &region::ascending(special.collect()));
     if !special.is_empty() && unsettled.is_empty() {
         unsettled.push(Vec::new());
     }
-    let mut finer = Vec::new();
-    for l in (0..unsettled.len()).rev() {
-        let level = l as u32 + 1;
-        let stored = surface.details.levels.get(level as usize).map_or(&[][..], Vec::as_slice);
-        // A detail shapes the faces of two rings around it, and no others: what lies beyond keeps the way
-        // in which it is evaluated, and so its bits. An address that the level does not have stands for
-        // nothing.
-        let mut around = Vec::new();
-        for (face, corner) in stored.iter().filter_map(|&(address, _)| region::corner_at(mesh, level, address)) {
-            around.push(face);
-            region::fan(mesh, level, face, corner, &mut around);
-        }
-        let mut faces = region::neighbourhood(mesh, level, &region::ascending(around));
-        faces.extend(&finer);
-        let mut parents = region::parents(&region::ascending(faces));
-        parents.extend(if l == 0 { &special[..] } else { &[] });
-        unsettled[l] = region::ascending(parents);
-        finer.clone_from(&unsettled[l]);
+    if let Some(roots) = unsettled.first_mut() {
+        roots.extend(special);
+        *roots = region::ascending(core::mem::take(roots));
     }
     unsettled
 }
