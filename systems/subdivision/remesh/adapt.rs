@@ -24,9 +24,10 @@ use super::track::{Near, Track, Visit, size, spread};
 /// What the cage near a curve is adapted to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdaptOptions {
-    /// Arc over chord, less one, above which a face is split. Two hundredths are a turn of 0.7 radians in a
-    /// face, nine faces round a circle at least. Of 64 bores on cages of eleven sizes, half that made the
-    /// faces of some so small that they cost twice as much as any do now, and none less.
+    /// Arc over chord, less one, above which a face is split; half as much where the curve bends more tightly
+    /// than most of its piece does, by [`TIGHT`]. Two hundredths are a turn of 0.7 radians in a face, nine faces
+    /// round a circle at least. Half that would make bores on many cages dearer, up to twice, and none cheaper;
+    /// in a fillet it would leave a single vertex.
     pub bend: f64,
     /// Faces nearer to a curve than this many of their own sizes are split to the curve's level.
     pub near: f64,
@@ -118,14 +119,15 @@ fn follow(
         let field = Field::new(surface, corners, level, &faces);
         let mut split = Vec::new();
         let runs: Vec<_> = visits.chunk_by(|a, b| a.code == b.code && joined(track, a, b)).collect();
-        let sharp = sharp(track, &runs, SHARP * options.bend.sqrt());
+        let sharp = sharp(track, &runs, options.bend, |s| pieces.lengths[pieces.of_segment[s as usize] as usize]);
         for (run, is_sharp) in runs.into_iter().zip(sharp) {
             let Some(face) = field.level.mesh.find(run[0].code) else { continue };
             let edge = size(field.triangle(face));
             let (arc, chord) = arc_and_chord(track, run);
             let piece = pieces.of_segment[run[0].segment as usize] as usize;
             let length = pieces.lengths[piece];
-            let bends = arc > SHORTEST * edge && arc > (1.0 + options.bend) * chord;
+            let bend = allowed(options.bend, arc, turn(track, run), length);
+            let bends = arc > SHORTEST * edge && arc > (1.0 + bend) * chord;
             let turns = is_sharp && arc > TOUCHES * edge;
             if bends || turns || options.pieces * edge > length {
                 if level == limit {
@@ -161,6 +163,15 @@ const SHORTEST: f64 = 0.1;
 /// Nor does a curve run through a face that it touches by less than this part of its size.
 const TOUCHES: f64 = 1e-3;
 
+/// A curve bends tightly where its radius is less than this part of its piece's length: half of that of a
+/// circle.
+const TIGHT: f64 = 1.0 / 12.0;
+
+/// What arc over chord less one may be of an arc that turns by `turn` radians, on a piece of `length`.
+fn allowed(bend: f64, arc: f64, turn: f64, length: f64) -> f64 {
+    if arc < TIGHT * length * turn { 0.5 * bend } else { bend }
+}
+
 /// A face is split, too, where the curve turns by more radians than this many times the square root of
 /// [`AdaptOptions::bend`], in it alone or in it and the next: twice the turn of the arc that `bend` describes.
 /// Arc over chord does not see the turn of a small fillet next to an edge of the face, or across one, for
@@ -182,11 +193,15 @@ fn arc_and_chord(track: &Track, run: &[Visit]) -> (f64, f64) {
     (arc, at(&run[0], 0).distance(at(&run[run.len() - 1], 1)))
 }
 
-/// Of each run of visits, whether the curve turns by more than `limit` in it, or in it and a neighbour.
-fn sharp(track: &Track, runs: &[&[Visit]], limit: f64) -> Vec<bool> {
+/// Of each run of visits, whether the curve turns sharply in it, or in it and a neighbour: see [`SHARP`].
+/// `length` is that of the piece of a segment.
+fn sharp(track: &Track, runs: &[&[Visit]], bend: f64, length: impl Fn(u32) -> f64) -> Vec<bool> {
     let turns: Vec<f64> = runs.iter().map(|run| turn(track, run)).collect();
+    let arcs: Vec<f64> = runs.iter().map(|run| arc_and_chord(track, run).0).collect();
+    let is_sharp =
+        |k: usize, arc: f64, turn: f64| turn > SHARP * allowed(bend, arc, turn, length(runs[k][0].segment)).sqrt();
     let begins: HashMap<u32, usize> = runs.iter().enumerate().rev().map(|(k, run)| (run[0].segment, k)).collect();
-    let mut sharp: Vec<bool> = turns.iter().map(|&turn| turn > limit).collect();
+    let mut sharp: Vec<bool> = (0..runs.len()).map(|k| is_sharp(k, arcs[k], turns[k])).collect();
     for (k, run) in runs.iter().enumerate() {
         let last = run[run.len() - 1];
         // The one after the last of a closed curve is its first.
@@ -194,7 +209,7 @@ fn sharp(track: &Track, runs: &[&[Visit]], limit: f64) -> Vec<bool> {
         let after = runs.get(k + 1).filter(|next| joined(track, &last, &next[0])).map(|_| k + 1).or_else(wraps);
         let after = after.filter(|&after| after != k && joined(track, &last, &runs[after][0]));
         if let Some(after) = after
-            && turns[k] + turn(track, &[last, runs[after][0]]) + turns[after] > limit
+            && is_sharp(k, arcs[k] + arcs[after], turns[k] + turn(track, &[last, runs[after][0]]) + turns[after])
         {
             (sharp[k], sharp[after]) = (true, true);
         }
