@@ -245,11 +245,15 @@ impl<'a> Checker<'a> {
     /// The same for leaf `i`, where the surface slides along it.
     fn sliding_leaf(&self, i: usize, deviation: &Deviation, off_rim: &[f64]) -> f64 {
         let leaf = &self.assembly.leaves[i];
+        let mut triangles = self.assembly.triangles_of(leaf);
+        if triangles.len() == 1 {
+            return greater(0.0, triangles.next().map_or(f64::INFINITY, |t| self.sliding(deviation, t, off_rim)));
+        }
         let of_piece = |(t, piece): (u32, &Piece)| {
             let deviation = deviation.of_piece(piece.map(|(_, w)| w));
             deviation.greatest().min(self.sliding(&deviation, t, off_rim))
         };
-        self.assembly.triangles_of(leaf).zip(&self.assembly.pieces(leaf)).map(of_piece).fold(0.0, greater)
+        triangles.zip(&self.assembly.pieces(leaf)).map(of_piece).fold(0.0, greater)
     }
 
     /// How a leaf stands off the triangle of its corners; `None` where details hide.

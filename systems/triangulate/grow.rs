@@ -182,17 +182,13 @@ enum Verdict {
     Unsure,
 }
 
-/// A face keeps the chord where no point is farther from the point of its triangle with the same
-/// weights. Nor is it too far if heights over the triangle keep it: what slides beyond is over a
-/// neighbour.
+/// A face keeps the chord where heights over its triangle do: what slides beyond is over a neighbour. Without
+/// a plane to be high over, distances from the points of the triangle with the same weights decide.
 fn judge(quartic: &Quartic, inner: Inner, deviation: &Deviation, chord: f64) -> Verdict {
-    if deviation.greatest() <= chord {
-        return Verdict::Keeps;
-    }
     let [a, b, c] = inner.corners().map(|[s, t]| quartic.position(s, t));
     let normal = (b - a).cross(c - a).normalize_or_zero();
     if normal == DVec3::ZERO {
-        Verdict::Unsure
+        if deviation.greatest() <= chord { Verdict::Keeps } else { Verdict::Unsure }
     } else if deviation.along(normal) <= chord {
         Verdict::Keeps
     } else if deviation.in_the_middle(normal) > MARGIN * chord {
