@@ -3,7 +3,7 @@
 use super::block::Ring;
 use super::patch::Load;
 use super::topology::VertexRule;
-use crate::subdivision::boxspline::{Quartic, Vector};
+use crate::subdivision::boxspline::{Net, Quartic, Vector};
 
 /// A corner of a face, and what subdivision towards it has left behind.
 ///
@@ -295,9 +295,14 @@ impl<'a, L: Load> CornerPieces<'a, L> {
     /// are those next to the two edges, in the corner's directions; 2 is the one between, turned by half
     /// a turn: its origin is the middle of the far edge. The coordinates are the quarter's own, along the
     /// corner's directions.
+    #[inline(always)]
     pub fn quarter(&self, depth: u8, quarter: u8) -> Quartic<L::Vector> {
         let lattice = &self.lattices[usize::from(depth)];
-        let mut quartic = Quartic::new(&NETS[usize::from(quarter)].map(|place| lattice[place]));
+        let mut net: Net<L::Vector> = [lattice[0]; 12];
+        for (point, place) in net.iter_mut().zip(NETS[usize::from(quarter)]) {
+            *point = lattice[place & 15];
+        }
+        let mut quartic = Quartic::new(&net);
         quartic.coefficients[0] = quartic.coefficients[0] + self.corner.limit;
         quartic
     }
