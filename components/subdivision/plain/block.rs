@@ -13,11 +13,7 @@ use super::limit::border_limit;
 use super::patch::Load;
 use super::topology::{InteriorMask, VertexRule};
 
-/// The places in a block: of the limit, of the vertex after one step, two and three, of the ring.
-pub(super) const LIMIT: u32 = 0;
-pub(super) const FIRST: u32 = 1;
-pub(super) const SECOND: u32 = 2;
-pub(super) const THIRD: u32 = 3;
+/// The place in a block of the ring, behind the limit and the vertex after one step, two and three.
 pub(super) const RING: u32 = 4;
 
 /// How many points the block of a vertex of `valence` has.
@@ -79,27 +75,35 @@ impl Blocks {
         }
     }
 
-    /// Asks memory for the block at `place` of a vertex of `valence`, without waiting for it.
+    /// The points at the head of the block at `place`: its limit, and the vertex after one step, two and
+    /// three.
     #[inline(always)]
-    pub fn prefetch(&self, place: u32, valence: u32) {
+    pub fn head<L: Load>(&self, load: L, place: u32) -> [L::Vector; RING as usize] {
+        let start = 3 * place as usize;
+        let numbers = &self.0[start..start + 3 * RING as usize + 1];
+        [
+            point(load, &numbers[..4]),
+            point(load, &numbers[3..7]),
+            point(load, &numbers[6..10]),
+            point(load, &numbers[9..]),
+        ]
+    }
+
+    /// Asks memory for the block at `place`, without waiting for it. As much as nearly all have: how much
+    /// more some do is not worth finding out.
+    #[inline(always)]
+    pub fn prefetch(&self, place: u32) {
         let start = 3 * place as usize;
         for line in 0..USUAL_LINES {
             prefetch_index(&self.0, start + line * LINE);
         }
-        // Beyond what nearly all need; how many fewer some do is not worth a branch that cannot be foreseen.
-        let numbers = 3 * size(valence) as usize;
-        for line in USUAL_LINES..numbers.div_ceil(LINE) {
-            prefetch_index(&self.0, start + line * LINE);
-        }
-        // Blocks begin anywhere in a line.
-        prefetch_index(&self.0, start + numbers);
     }
 }
 
 /// How many numbers a line of the cache holds on most machines.
 const LINE: usize = 8;
-/// How many lines the block of a vertex of valence 6 takes.
-const USUAL_LINES: usize = (3 * size(6) as usize).div_ceil(LINE);
+/// How many lines the block of a vertex of valence 7 takes, which begins anywhere in a line.
+const USUAL_LINES: usize = (3 * size(7) as usize).div_ceil(LINE);
 
 #[inline(always)]
 fn point<L: Load>(load: L, numbers: &[f64]) -> L::Vector {
@@ -117,16 +121,23 @@ impl Ring<'_> {
         point(load, &self.0[3 * i..3 * i + 4])
     }
 
-    /// `N` points in a row of the closed ring of `valence`, from three before point `first` on.
+    /// `N` points in a row of the closed ring of `valence`, from `before` before point `first` on; three
+    /// at most, because a closed ring has at least as many.
     #[inline(always)]
-    pub fn window<L: Load, const N: usize>(self, load: L, valence: usize, first: usize) -> [L::Vector; N] {
-        // A closed ring has three points at least.
-        let mut i = first + valence - 3;
-        i = if i < valence { i } else { i - valence };
+    pub fn window<L: Load, const N: usize>(
+        self,
+        load: L,
+        valence: usize,
+        first: usize,
+        before: usize,
+    ) -> [L::Vector; N] {
+        // In 32 bits, of which four more numbers are known to be no more than there can be.
+        let (end, mut at) = (3 * valence as u32, 3 * (first + valence - before) as u32);
+        at = if at < end { at } else { at - end };
         let mut points = [load.zero(); N];
         for place in &mut points {
-            *place = self.point(load, i);
-            i = if i + 1 < valence { i + 1 } else { 0 };
+            *place = point(load, &self.0[at as usize..at as usize + 4]);
+            at = if at + 3 < end { at + 3 } else { 0 };
         }
         points
     }

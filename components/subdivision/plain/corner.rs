@@ -52,34 +52,28 @@ pub(super) struct Corner<'a, V> {
 /// ```
 type Lattice<V> = [V; 16];
 
-/// The places in a [`Lattice`] of the control points of a quarter, four bits each, for each corner of
-/// the face whose directions they are turned from.
-const NETS: [[u64; 4]; 4] = {
-    let quarters = [
-        [2, 6, 7, 5, 10, 3, 0, 1, 12, 13, 11, 8],
-        [3, 7, 8, 2, 11, 9, 4, 0, 6, 10, 14, 15],
-        [7, 3, 2, 8, 0, 6, 10, 11, 9, 4, 1, 5],
-    ];
-    let mut nets = [[0; 4]; 4];
-    let mut i = 0;
-    while i < 9 {
-        nets[i / 3][i % 3] = turned(&quarters[i % 3], i / 3);
-        i += 1;
-    }
-    nets
-};
+/// The places in a [`Lattice`] of the control points of each quarter.
+const NETS: [[usize; 12]; 3] = [
+    [2, 6, 7, 5, 10, 3, 0, 1, 12, 13, 11, 8],
+    [3, 7, 8, 2, 11, 9, 4, 0, 6, 10, 14, 15],
+    [7, 3, 2, 8, 0, 6, 10, 11, 9, 4, 1, 5],
+];
 
-/// A net turned by a corner is the net with each of its groups turned by one.
-const fn turned(net: &[u64; 12], corner: usize) -> u64 {
-    let mut places = 0;
-    let mut i = 0;
-    while i < 3 {
-        let from = (i + 3 - corner) % 3;
-        places |= net[from] << (4 * i) | net[3 + from] << (4 * (3 + i));
-        places |= (net[6 + 2 * from] | net[7 + 2 * from] << 4) << (4 * (6 + 2 * i));
-        i += 1;
+impl<V: Vector> Corner<'_, V> {
+    /// No corner yet.
+    pub fn none(load: impl Load<Vector = V>) -> Self {
+        let zero = load.zero();
+        Self {
+            rule: VertexRule::Interior,
+            valence: 0,
+            weight: 0.0,
+            first: 0,
+            limit: zero,
+            centres: [zero; 3],
+            ring: Ring::default(),
+            outer: [zero; 5],
+        }
     }
-    places
 }
 
 /// The point beyond a regular border that makes the border's rules those of the interior: the
@@ -97,7 +91,7 @@ pub(super) fn edge_point<V: Vector>(a: V, b: V, c: V, d: V) -> V {
 
 /// Where a vertex of valence 6 goes.
 #[inline(always)]
-fn regular_vertex<V: Vector>(v: V, [a, b, c, d, e, f]: [V; 6]) -> V {
+pub(super) fn regular_vertex<V: Vector>(v: V, [a, b, c, d, e, f]: [V; 6]) -> V {
     v * 0.625 + ((a + d) + (b + e) + (c + f)) * 0.0625
 }
 
@@ -124,7 +118,7 @@ pub(super) fn step_centre<V: Vector>(rule: VertexRule, weight: f64, v: V, ring: 
 /// The four points of a ring around (1, 0) and (0, 1), of which `first` is the place of the first;
 /// beyond a border they are phantoms.
 #[inline(always)]
-fn near<V: Vector>(rule: VertexRule, centre: V, ring: &[V], first: usize) -> [V; 4] {
+pub(super) fn near<V: Vector>(rule: VertexRule, centre: V, ring: &[V], first: usize) -> [V; 4] {
     let k = ring.len();
     let open = rule != VertexRule::Interior;
     let r0 = ring[first];
@@ -172,8 +166,7 @@ fn leave<V: Vector>(lattice: &mut Lattice<V>, corner: V, near: [V; 4], outer: [V
 #[inline(always)]
 fn leave_first<L: Load>(load: L, corner: &Corner<'_, L::Vector>, lattice: &mut Lattice<L::Vector>) {
     let &Corner { valence, first, centres: [v, to, _], ring, outer, .. } = corner;
-    // Those at the ends are not kept.
-    let [_, r @ ..]: [L::Vector; 7] = ring.window(load, valence, first);
+    let r: [L::Vector; 6] = ring.window(load, valence, first, 2);
     leave(lattice, v, [r[1], r[2], r[3], r[4]], outer, to, between(v, r));
 }
 
@@ -187,91 +180,34 @@ fn leave_second<L: Load>(
     lattice: &mut Lattice<L::Vector>,
 ) {
     let [v, n0, n1, n2, n3, z, y, x, w, u, ..] = *before;
-    let r: [L::Vector; 8] = ring.window(load, valence, first);
+    let r: [L::Vector; 8] = ring.window(load, valence, first, 3);
     let before = edge_point(centres[0], r[1], r[0], r[2]);
     let after = edge_point(centres[0], r[6], r[5], r[7]);
     let to_near = between(v, [before, n0, n1, n2, n3, after]);
     leave(lattice, v, [n0, n1, n2, n3], [z, y, x, w, u], centres[2], to_near);
 }
 
-/// The polynomial of a quarter whose control points are in `lattice`, around a corner with this limit; see
-/// [`CornerPieces::quarter`].
+/// Writes the ring around `v` one step finer.
 #[inline(always)]
-fn quarter_of<V: Vector>(lattice: &Lattice<V>, limit: V, quarter: u8, corner: u8) -> Quartic<V> {
-    let mut net: Net<V> = [lattice[0]; 12];
-    let places = NETS[usize::from(corner & 3)][usize::from(quarter & 3)];
-    for (i, point) in net.iter_mut().enumerate() {
-        *point = lattice[(places >> (4 * i)) as usize & 15];
+pub(super) fn step_ring<V: Vector>(rule: VertexRule, v: V, ring: &[V], finer: &mut [V]) {
+    let last = ring.len() - 1;
+    let (head, tail) = (ring[0], ring[last]);
+    for (r, finer) in ring.windows(3).zip(&mut finer[1..]) {
+        *finer = edge_point(v, r[1], r[0], r[2]);
     }
-    let mut quartic = Quartic::new(&net);
-    quartic.coefficients[0] = quartic.coefficients[0] + limit;
-    quartic
-}
-
-/// What one of the first two steps towards a corner of a face has left behind: all that most places need.
-#[derive(Clone, Copy, Debug)]
-pub struct StepPieces<V> {
-    lattice: Lattice<V>,
-    limit: V,
-}
-
-impl<V: Vector> StepPieces<V> {
-    /// No corner yet.
-    pub(super) const fn new(zero: V) -> Self {
-        Self { lattice: [zero; 16], limit: zero }
-    }
-
-    /// As [`CornerPieces::quarter`] at the depth that these are of.
-    #[inline(always)]
-    pub fn quarter(&self, quarter: u8, corner: u8) -> Quartic<V> {
-        quarter_of(&self.lattice, self.limit, quarter, corner)
-    }
-
-    /// Makes them those of `corner`; `scratch` serves where a border runs through it.
-    #[inline(always)]
-    pub(super) fn begin<'a, L: Load<Vector = V>>(&mut self, corner: Corner<'a, V>, scratch: &mut CornerPieces<'a, L>) {
-        self.limit = corner.limit;
-        if corner.rule == VertexRule::Interior {
-            leave_first(scratch.load, &corner, &mut self.lattice);
-        } else {
-            scratch.begin(corner);
-            self.lattice = scratch.lattices[0];
-        }
-    }
-
-    /// Makes them those of the second step towards `corner`, from those of the first.
-    #[inline(always)]
-    pub(super) fn descend<'a, L: Load<Vector = V>>(
-        &mut self,
-        corner: Corner<'a, V>,
-        before: &Self,
-        scratch: &mut CornerPieces<'a, L>,
-    ) {
-        self.limit = corner.limit;
-        if corner.rule == VertexRule::Interior {
-            leave_second(scratch.load, &corner, &before.lattice, &mut self.lattice);
-        } else {
-            scratch.begin(corner);
-            scratch.descend();
-            self.lattice = scratch.lattices[1];
-        }
+    if rule == VertexRule::Interior {
+        finer[0] = edge_point(v, head, tail, ring[1]);
+        finer[last] = edge_point(v, tail, ring[last - 1], head);
+    } else {
+        finer[0] = (v + head) * 0.5;
+        finer[last] = (v + tail) * 0.5;
     }
 }
 
 impl<'a, L: Load> CornerPieces<'a, L> {
     /// No corner yet.
     pub(super) fn new(load: L) -> Self {
-        let zero = load.zero();
-        let corner = Corner {
-            rule: VertexRule::Interior,
-            valence: 0,
-            weight: 0.0,
-            first: 0,
-            limit: zero,
-            centres: [zero; 3],
-            ring: Ring::default(),
-            outer: [zero; 5],
-        };
+        let corner = Corner::none(load);
         Self { load, corner, ring: Vec::new(), spare: Vec::new(), lattices: Vec::new(), depths: 0 }
     }
 
@@ -323,19 +259,8 @@ impl<'a, L: Load> CornerPieces<'a, L> {
     /// Steps from the ring in `spare` around `v` to that in `ring`.
     #[inline(always)]
     fn step_ring(&mut self, v: L::Vector) {
-        let last = self.corner.valence - 1;
-        let (ring, finer) = (&self.spare[..=last], &mut self.ring[..=last]);
-        let (head, tail) = (ring[0], ring[last]);
-        for (r, finer) in ring.windows(3).zip(&mut finer[1..]) {
-            *finer = edge_point(v, r[1], r[0], r[2]);
-        }
-        if self.corner.rule == VertexRule::Interior {
-            finer[0] = edge_point(v, head, tail, ring[1]);
-            finer[last] = edge_point(v, tail, ring[last - 1], head);
-        } else {
-            finer[0] = (v + head) * 0.5;
-            finer[last] = (v + tail) * 0.5;
-        }
+        let k = self.corner.valence;
+        step_ring(self.corner.rule, v, &self.spare[..k], &mut self.ring[..k]);
     }
 
     /// Goes one level finer, towards the corner: one more depth is known.
@@ -366,29 +291,19 @@ impl<'a, L: Load> CornerPieces<'a, L> {
         self.depths += 1;
     }
 
-    /// The polynomial of all that is left around a regular corner after the first quartering, in
-    /// coordinates that run along those of the face whose corner `i` is `corner`.
-    #[inline(always)]
-    pub(super) fn all(load: L, corner: &Corner<'a, L::Vector>, i: u8) -> Quartic<L::Vector> {
-        let ([z, y, x, w, u], v) = (corner.outer, corner.centres[0]);
-        let [_, fifth, before, r0, r1, after, fourth]: [L::Vector; 7] =
-            corner.ring.window(load, corner.valence, corner.first);
-        let net: Net<L::Vector> = match i {
-            0 => [v, r0, r1, before, x, after, fourth, fifth, z, y, w, u],
-            1 => [r1, v, r0, after, before, x, w, u, fourth, fifth, z, y],
-            _ => [r0, r1, v, x, after, before, z, y, w, u, fourth, fifth],
-        };
-        let mut quartic = Quartic::new(&net);
-        quartic.coefficients[0] = quartic.coefficients[0] + corner.limit;
-        quartic
-    }
-
     /// The polynomial of a quarter of the face that the step to `depth` left behind. Quarters 0 and 1
     /// are those next to the two edges, in the corner's directions; 2 is the one between, turned by half
-    /// a turn: its origin is the middle of the far edge. The coordinates are the quarter's own, turned
-    /// to run along those of the face whose corner `corner` this is; with 0 they run along the corner's.
+    /// a turn: its origin is the middle of the far edge. The coordinates are the quarter's own, along the
+    /// corner's directions.
     #[inline(always)]
-    pub fn quarter(&self, depth: u8, quarter: u8, corner: u8) -> Quartic<L::Vector> {
-        quarter_of(&self.lattices[usize::from(depth)], self.corner.limit, quarter, corner)
+    pub fn quarter(&self, depth: u8, quarter: u8) -> Quartic<L::Vector> {
+        let lattice = &self.lattices[usize::from(depth)];
+        let mut net: Net<L::Vector> = [lattice[0]; 12];
+        for (point, place) in net.iter_mut().zip(NETS[usize::from(quarter)]) {
+            *point = lattice[place & 15];
+        }
+        let mut quartic = Quartic::new(&net);
+        quartic.coefficients[0] = quartic.coefficients[0] + self.corner.limit;
+        quartic
     }
 }

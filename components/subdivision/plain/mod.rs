@@ -2,10 +2,11 @@
 //! everywhere.
 //!
 //! A face whose corners are regular is one polynomial ([`Quartic`](super::boxspline::Quartic)). Any other face falls into
-//! infinitely many such polynomials: its middle quarter, and around each corner the quarters that
-//! subdivision towards that corner leaves behind ([`Piece`]). A point lies in one of them, and few
+//! infinitely many pieces: its middle quarter, one polynomial again, and around each corner the bands that
+//! subdivision towards that corner leaves behind ([`Band`]). A point lies in one of them, and few
 //! steps of the corner's neighbourhood lead there, so no value is approximated.
 
+mod band;
 mod block;
 mod corner;
 mod limit;
@@ -17,7 +18,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-pub use corner::{CornerPieces, StepPieces};
+pub use band::{Band, Bands};
+pub use corner::CornerPieces;
 pub use limit::vertex_normal;
 pub use patch::{AsStored, Load, PatchReader};
 pub use place::Piece;

@@ -4,10 +4,11 @@ use glam::DVec3;
 use prefetch_index::prefetch_index;
 
 use super::PlainLoop;
-use super::block::{FIRST, LIMIT, RING, SECOND, THIRD};
-use super::corner::{Corner, CornerPieces, StepPieces, reflect};
-use super::place::{self, DEEPEST, Piece};
-use super::topology::{FinerCorner, NONE};
+use super::band::{Band, Bands, first_band, second_band};
+use super::block::RING;
+use super::corner::{Corner, CornerPieces, reflect};
+use super::place::{self, DEEPEST, Found, Piece};
+use super::topology::{FinerCorner, NONE, VertexRule};
 use crate::evaluate::{Jet, SurfacePoint};
 use crate::mesh::{FaceId, HalfedgeId, VertexId};
 use crate::subdivision::boxspline::{Net, Quartic, Vector};
@@ -139,16 +140,11 @@ impl<'a, L: Load> FinerNet<'a, L> {
         self.surface.finer.point(self.load, place)
     }
 
-    /// The limit of corner `i`, which the points of its block are relative to.
+    /// The limit of corner `i`, which the points of its block are relative to; and the vertex there after one
+    /// step, two and three.
     #[inline(always)]
-    fn limit(&self, i: usize) -> L::Vector {
-        self.stored(self.corners[i].block + LIMIT)
-    }
-
-    /// The vertex at corner `i`, relative to its limit.
-    #[inline(always)]
-    fn vertex(&self, i: usize) -> L::Vector {
-        self.stored(self.corners[i].block + FIRST)
+    fn head(&self, i: usize) -> [L::Vector; 4] {
+        self.surface.finer.head(self.load, self.corners[i].block)
     }
 
     /// The midpoint of the edge from corner `i` to the next, relative to the corner's limit.
@@ -160,8 +156,8 @@ impl<'a, L: Load> FinerNet<'a, L> {
     /// The control points of the middle quarter. Its coordinates are turned by half a turn.
     #[inline(always)]
     fn middle(&self) -> Net<L::Vector> {
-        let [la, lb, lc] = [self.limit(0), self.limit(1), self.limit(2)];
-        let [a, b, c] = [self.vertex(0) + la, self.vertex(1) + lb, self.vertex(2) + lc];
+        let [[la, a, ..], [lb, b, ..], [lc, c, ..]] = [self.head(0), self.head(1), self.head(2)];
+        let [a, b, c] = [a + la, b + lb, c + lc];
         let [ab, bc, ca] = [self.edge(0) + la, self.edge(1) + lb, self.edge(2) + lc];
         let [a3, b3] = self.beside(0, ab, (a, la, ca), (b, lb, bc));
         let [b1, c1] = self.beside(1, bc, (b, lb, ab), (c, lc, ca));
@@ -192,10 +188,11 @@ impl<'a, L: Load> FinerNet<'a, L> {
         let FinerCorner { rule, block, valence, first, before, after } = self.corners[i];
         // Looked up, because for random places no branch on the corner could be foreseen.
         let (next, last) = ([1, 2, 0][i], [2, 0, 1][i]);
-        let limit = self.limit(i);
+        let [limit, centres @ ..] = self.head(i);
+        let ([at_next, y, ..], [at_last, w, ..]) = (self.head(next), self.head(last));
         // From the other corners' limits to this one's.
-        let (of_next, of_last) = (self.limit(next) - limit, self.limit(last) - limit);
-        let (x, y, w) = (self.edge(next) + of_next, self.vertex(next) + of_next, self.vertex(last) + of_last);
+        let (of_next, of_last) = (at_next - limit, at_last - limit);
+        let (x, y, w) = (self.edge(next) + of_next, y + of_next, w + of_last);
         let z = if before == NONE { reflect(self.edge(i), y, x) } else { self.stored(before) + of_next };
         // The corner's second edge is the face's last.
         let u = if after == NONE { reflect(self.edge(last) + of_last, w, x) } else { self.stored(after) + of_last };
@@ -206,7 +203,7 @@ impl<'a, L: Load> FinerNet<'a, L> {
             weight: self.surface.topology.mask(valence).step,
             first: first as usize,
             limit,
-            centres: [self.vertex(i), self.stored(block + SECOND), self.stored(block + THIRD)],
+            centres,
             ring: self.surface.finer.ring(block, valence),
             outer: [z, y, x, w, u],
         }
@@ -250,56 +247,53 @@ impl<'a, L: Load> PatchReader<'a, L> {
         pieces.begin(self.finer(face).corner(usize::from(corner)));
     }
 
-    /// Of no corner yet: scratch for [`Self::first_pieces`] and [`Self::second_pieces`].
-    pub fn no_step_pieces(&self) -> StepPieces<L::Vector> {
-        StepPieces::new(self.load.zero())
+    /// Scratch for [`Self::begin`].
+    pub fn no_bands(&self) -> Bands<'a, L> {
+        Bands::new(self.load)
     }
 
-    /// Makes `pieces` those of the first depth around a corner of a face that is not regular; `scratch` is
-    /// of no corner afterwards.
+    /// Makes `bands` those around a corner of a face that is not regular, of which the first is known then.
     #[inline(always)]
-    pub fn first_pieces(
-        &self,
-        face: FaceId,
-        corner: u8,
-        pieces: &mut StepPieces<L::Vector>,
-        scratch: &mut CornerPieces<'a, L>,
-    ) {
-        pieces.begin(self.finer(face).corner(usize::from(corner)), scratch);
+    pub fn begin(&self, face: FaceId, corner: u8, bands: &mut Bands<'a, L>) {
+        bands.begin(self.finer(face).corner(usize::from(corner)));
     }
 
-    /// Makes `pieces` those of the second depth, of which `before` are those of the first.
+    /// The first of [`Self::begin`]'s bands without the others; `None` at a corner on a border.
     #[inline(always)]
-    pub fn second_pieces(
-        &self,
-        face: FaceId,
-        corner: u8,
-        before: &StepPieces<L::Vector>,
-        pieces: &mut StepPieces<L::Vector>,
-        scratch: &mut CornerPieces<'a, L>,
-    ) {
-        pieces.descend(self.finer(face).corner(usize::from(corner)), before, scratch);
+    pub fn first_band(&self, face: FaceId, corner: usize) -> Option<Band<L::Vector>> {
+        let of_face = self.finer(face);
+        if of_face.corners[corner].rule != VertexRule::Interior {
+            return None;
+        }
+        Some(first_band(self.load, &of_face.corner(corner), corner))
     }
 
-    /// The polynomial of all that is left around a corner after quartering once, where both the corner is
-    /// regular ([`PlainTopology::regular_corners`](super::PlainTopology::regular_corners)) and its face
-    /// is not. Its coordinates run along the face's.
+    /// As [`Self::first_band`] the second.
     #[inline(always)]
-    pub fn regular_corner(&self, face: FaceId, corner: u8) -> Quartic<L::Vector> {
-        CornerPieces::all(self.load, &self.finer(face).corner(usize::from(corner)), corner)
+    pub fn second_band(&self, face: FaceId, corner: usize) -> Option<Band<L::Vector>> {
+        let of_face = self.finer(face);
+        if of_face.corners[corner].rule != VertexRule::Interior {
+            return None;
+        }
+        Some(second_band(self.load, &of_face.corner(corner), corner))
+    }
+
+    /// A piece that is a polynomial alone.
+    #[inline(always)]
+    pub fn plain(&self, quartic: Quartic<L::Vector>) -> Band<L::Vector> {
+        Band::plain(self.load, quartic)
     }
 
     /// Asks memory for what `face` is made of at its corner `corner`, without waiting for it, unless it is
     /// regular beside a border.
     #[inline(always)]
     pub fn prefetch(&self, face: FaceId, corner: usize) {
-        if let Some(net) = self.surface.topology.net(face) {
+        if let Some(corners) = self.surface.topology.irregular_corners(face) {
+            self.surface.finer.prefetch(corners[corner].block);
+        } else if let Some(net) = self.surface.topology.net(face) {
             for v in &net[4 * corner..4 * corner + 4] {
                 prefetch_index(&self.surface.points, *v as usize);
             }
-        } else if !self.surface.topology.is_regular(face) {
-            let FinerCorner { block, valence, .. } = self.surface.topology.finer_corners(face)[corner];
-            self.surface.finer.prefetch(block, valence);
         }
     }
 
@@ -342,27 +336,27 @@ impl PlainLoop {
         }
         let (s, t) = place::clamp(at.st.x, at.st.y);
         let regular = topology.regular_corners(at.face).unwrap_or(place::WHOLE);
-        let (piece, s, t, scale) = place::in_face(s, t, regular);
-        let [position, ds, dt] = self.quartic(at.face, Piece::from_index(piece as usize)).with_derivatives(s, t);
+        let Found { piece, s, t, scale, weights } = place::in_face(s, t, regular);
+        let band = self.band(at.face, Piece::from_index(piece as usize));
+        let [position, ds, dt] = band.with_derivatives(s, t, weights);
         Jet { position, ds: ds * scale, dt: dt * scale }
     }
 
-    /// The polynomial of `piece` of `face`, in the piece's own coordinates; of a vertex the tangent
-    /// plane there. [`Piece::WHOLE`] belongs to regular faces, the others to the rest.
-    fn quartic(&self, face: FaceId, piece: Piece) -> Quartic {
+    /// `piece` of `face`, in the piece's own coordinates; of a vertex the tangent plane there.
+    /// [`Piece::WHOLE`] belongs to regular faces, the others to the rest.
+    fn band(&self, face: FaceId, piece: Piece) -> Band<DVec3> {
         let reader = PatchReader::new(self, AsStored);
         match piece {
-            Piece::WHOLE => reader.whole(face),
-            Piece::MIDDLE => reader.middle(face),
-            _ if piece.quarter() == 3 => reader.regular_corner(face, piece.corner()),
-            _ if piece.depth() == DEEPEST => reader.tangent_plane(face, piece.corner()),
+            Piece::WHOLE => reader.plain(reader.whole(face)),
+            Piece::MIDDLE => reader.plain(reader.middle(face)),
+            _ if piece.depth() == DEEPEST => reader.plain(reader.tangent_plane(face, piece.corner())),
             _ => {
-                let mut pieces = reader.scratch();
-                reader.corner(face, piece.corner(), &mut pieces);
+                let mut bands = reader.no_bands();
+                reader.begin(face, piece.corner(), &mut bands);
                 for _ in 0..piece.depth() {
-                    pieces.descend();
+                    bands.descend();
                 }
-                pieces.quarter(piece.depth(), piece.quarter(), piece.corner())
+                bands.band(piece.depth(), piece.corner())
             }
         }
     }

@@ -6,27 +6,26 @@
 /// the position itself.
 pub const DEEPEST: u8 = 84;
 
-/// A part of a face over which the surface is one polynomial, or a single vertex.
+/// A part of a face over which the surface is one polynomial and a bend ([`Band`](super::Band)), or a single
+/// vertex.
 ///
 /// A small number, so that what is made for the pieces of a face can stand in a list:
-/// `16 depth + 4 corner + quarter`. Quarter 3 is all of what is left around the corner; corner 3 is
-/// none, its two quarters are the middle of a face and a whole one.
+/// `4 depth + corner`. Corner 3 is none, its two pieces are the middle of a face and a whole one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Piece(u16);
 
 impl Piece {
     /// The middle quarter of a face that is not regular, turned by half a turn.
-    pub const MIDDLE: Self = Self::new(3, 0, 0);
+    pub const MIDDLE: Self = Self::new(3, 0);
     /// The whole of a regular face.
-    pub const WHOLE: Self = Self::new(3, 0, 1);
+    pub const WHOLE: Self = Self::new(3, 1);
 
-    /// A quarter of what is left around `corner` after quartering towards it `depth` times more than
-    /// once: 0 and 1 lie next to the corner's two edges, 2 between, turned by half a turn. 3 is no
-    /// quarter but all that is left. At depth [`DEEPEST`] it is the vertex at that corner, whatever the
-    /// quarter.
+    /// What is left behind around `corner` by quartering towards it `depth` times more than once and once
+    /// again; of a regular corner all that is left before. At depth [`DEEPEST`] it is the vertex at that
+    /// corner.
     #[inline(always)]
-    pub const fn new(corner: u8, depth: u8, quarter: u8) -> Self {
-        Self(16 * depth as u16 + 4 * corner as u16 + quarter as u16)
+    pub const fn new(corner: u8, depth: u8) -> Self {
+        Self(4 * depth as u16 + corner as u16)
     }
 
     /// The piece at `index` in a list of all pieces.
@@ -44,20 +43,32 @@ impl Piece {
     /// The corner that it was left behind at: 0, 1 or 2; 3 for [`Self::MIDDLE`] and [`Self::WHOLE`].
     #[inline(always)]
     pub const fn corner(self) -> u8 {
-        (self.0 >> 2) as u8 & 3
+        self.0 as u8 & 3
     }
 
     /// How often its face was quartered towards its corner, less one: at most [`DEEPEST`].
     #[inline(always)]
     pub const fn depth(self) -> u8 {
-        (self.0 >> 4) as u8
+        (self.0 >> 2) as u8
     }
+}
 
-    /// Which quarter around its corner it is.
-    #[inline(always)]
-    pub const fn quarter(self) -> u8 {
-        self.0 as u8 & 3
-    }
+/// Where in a face a point lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// The piece, as a number (see [`Piece`]).
+    pub piece: u64,
+    /// The point in the piece's own coordinates: they fill the unit triangle, of which a band is the part
+    /// that is not nearest to its corner.
+    pub s: f64,
+    /// The other coordinate.
+    pub t: f64,
+    /// How much faster than the face's these run: a power of two, negative where they are turned by half
+    /// a turn.
+    pub scale: f64,
+    /// What the excess of a band weighs there, and in the derivatives by the piece's coordinates; zero
+    /// where there is none.
+    pub weights: [f64; 3],
 }
 
 /// Puts `(s, t)` into the unit triangle. What is not a number becomes 0.
@@ -75,9 +86,7 @@ fn clamp_outside(s: f64, t: f64) -> (f64, f64) {
     if sum <= 1.0 { (s, t) } else { (s / sum, t / sum) }
 }
 
-/// The piece of a face in which `(s, t)` of its unit triangle lies, as a number (see [`Piece`]), the place
-/// in the piece's own coordinates, and how much faster than the face's these run: a power of two, negative
-/// where they are turned by half a turn.
+/// The piece of a face in which `(s, t)` of its unit triangle lies, and the place in it.
 ///
 /// Bit `i` of `regular` says that corner `i` of a face that is not regular is: all that is left around it
 /// after the first quartering is one polynomial. [`WHOLE`] stands for a face that is one itself.
@@ -88,7 +97,7 @@ fn clamp_outside(s: f64, t: f64) -> (f64, f64) {
 /// Without a branch, because for random places none could be foreseen, and so that a loop over places
 /// is done in lanes.
 #[inline(always)]
-pub fn in_face(s: f64, t: f64, regular: u64) -> (u64, f64, f64, f64) {
+pub fn in_face(s: f64, t: f64, regular: u64) -> Found {
     // Exact, or off by one rounding of a number no larger than the distance to the corner.
     let r = (1.0 - s - t).max(0.0);
     let (first, second, third) = (s + t < 0.5, s > 0.5, t > 0.5);
@@ -104,30 +113,51 @@ pub fn in_face(s: f64, t: f64, regular: u64) -> (u64, f64, f64, f64) {
     let depth = DEPTH_0 - exponent;
     let doubled = f64::from_bits((1024 + DEPTH_0 - exponent) << 52);
     let (a, b) = (a * doubled, b * doubled);
-
-    // 0 beside the first edge, 1 beside the second, 2 between.
-    let (beside_first, beside_second) = (a > 0.5, b > 0.5);
-    let turn = pick(whole, beside_first | beside_second, [1.0, 2.0, -2.0]);
-    let shift_a = pick(whole, beside_first, [0.0, -1.0, pick(beside_second, true, [0.0, 1.0, 1.0])]);
-    let shift_b = pick(whole, beside_first, [0.0, 0.0, pick(beside_second, true, [-1.0, 1.0, 1.0])]);
-    let quarter = pick(whole, beside_first, [3, 0, pick(beside_second, true, [1, 2, 2])]);
-    let (x, y) = (a * turn + shift_a, b * turn + shift_b);
-    let z = 1.0 - x - y;
+    let c = (1.0 - a - b).max(0.0);
 
     let at_vertex = depth == u64::from(DEEPEST);
-    let s_there = pick(at_vertex, first, [0.0, x, pick(second, true, [z, y, y])]);
-    let t_there = pick(at_vertex, first, [0.0, y, pick(second, true, [x, z, z])]);
-    let there = 16 * depth + 4 * corner + quarter;
+    let s_there = if at_vertex { 0.0 } else { pick(first, second, [a, c, b]) };
+    let t_there = if at_vertex { 0.0 } else { pick(first, second, [b, a, c]) };
     // Of a vertex the tangent plane is taken, along the face.
-    let scale_there = if at_vertex { 1.0 } else { doubled * turn };
+    let scale_there = if at_vertex { 1.0 } else { doubled };
 
     let (at_corner, all) = (first | second | third, regular == WHOLE);
-    (
-        pick(all, at_corner, [Piece::WHOLE.0.into(), there, Piece::MIDDLE.0.into()]),
-        pick(all, at_corner, [s, s_there, 1.0 - 2.0 * s]),
-        pick(all, at_corner, [t, t_there, 1.0 - 2.0 * t]),
-        pick(all, at_corner, [1.0, scale_there, -2.0]),
-    )
+    let [weight, by_c, by_a, by_b] = weigh_excess(a, b, c);
+    let is_plain = all | !at_corner | whole | at_vertex;
+    // By the weights of the face's corners in turn.
+    let by = [[by_c, by_b, by_a], [by_a, by_c, by_b], [by_b, by_a, by_c]].map(|by| pick(first, second, by));
+    Found {
+        piece: pick(all, at_corner, [Piece::WHOLE.0.into(), 4 * depth + corner, Piece::MIDDLE.0.into()]),
+        s: pick(all, at_corner, [s, s_there, 1.0 - 2.0 * s]),
+        t: pick(all, at_corner, [t, t_there, 1.0 - 2.0 * t]),
+        scale: pick(all, at_corner, [1.0, scale_there, -2.0]),
+        weights: [weight, by[1] - by[0], by[2] - by[0]].map(|weight| if is_plain { 0.0 } else { weight }),
+    }
+}
+
+/// What the next point of a corner weighs over the band that a step towards it leaves behind, at the
+/// weights `c` of the corner and `a` and `b` of the two after it; and the derivatives by `c`, `a`, `b`.
+///
+/// In each of the band's quarters it is the weight of one of the twelve control points there: beside the
+/// corner in two, across the edge in that between. With `x = 1 - 2 a` and `y = 1 - 2 b` these are
+/// `4/3 c^3 (1 - c + x)`, `4/3 c^3 (1 - c + y)` and `4/3 c^3 (1 - c) + x y (4 c^2 + x y) / 6`, and `x`
+/// and `y` are above zero in the last alone.
+#[inline(always)]
+pub(super) fn weigh_excess(a: f64, b: f64, c: f64) -> [f64; 4] {
+    let (x, y) = (1.0 - 2.0 * a, 1.0 - 2.0 * b);
+    let (in_first, in_second) = (x < 0.0, y < 0.0);
+    let (x, beyond_x) = if in_first { (0.0, x) } else { (x, 0.0) };
+    let (y, beyond_y) = if in_second { (0.0, y) } else { (y, 0.0) };
+    let (xy, square) = (x * y, 4.0 * (c * c));
+    let cube = square * c * (1.0 / 3.0);
+    let sum = a + b + (beyond_x + beyond_y);
+    let by_xy = (square + 2.0 * xy) * (1.0 / 3.0);
+    [
+        cube * sum + xy * (square + xy) * (1.0 / 6.0),
+        square * sum - cube + c * xy * (4.0 / 3.0),
+        if in_first { cube * -2.0 } else { -(y * by_xy) },
+        if in_second { cube * -2.0 } else { -(x * by_xy) },
+    ]
 }
 
 /// Stands for the regular corners of a face that is one polynomial.
@@ -153,20 +183,45 @@ fn pick<T: Copy>(first: bool, second: bool, values: [T; 3]) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::subdivision::boxspline::basis;
     use crate::subdivision::plain::tests::meshes::Random;
+
+    /// The excess weighs what its control point does in the net of each quarter of a band.
+    #[test]
+    fn excess_weighs_as_its_control_point() {
+        let mut random = Random(9);
+        for _ in 0..3000 {
+            let (u, v) = random.place();
+            // Beside the first edge, beside the second, between: the corner's place in the net, the place in
+            // the band, and how its coordinates run along the quarter's.
+            let quarters = [
+                (6, 0.5 + 0.5 * u, 0.5 * v, 2.0),
+                (7, 0.5 * u, 0.5 + 0.5 * v, 2.0),
+                (4, 0.5 - 0.5 * u, 0.5 - 0.5 * v, -2.0),
+            ];
+            for (point, a, b, scale) in quarters {
+                let expected = basis(u, v).map(|row| row[point]);
+                let [weight, by_c, by_a, by_b] = weigh_excess(a, b, (1.0 - a - b).max(0.0));
+                let found = [weight, (by_a - by_c) / scale, (by_b - by_c) / scale];
+                for (x, y) in found.into_iter().zip(expected) {
+                    assert!((x - y).abs() < 1e-15, "{found:?}, not {expected:?}, for {point} at ({u}, {v})");
+                }
+            }
+        }
+    }
 
     /// A piece's coordinates run straight along the face's, as fast as it says, and fill its triangle.
     #[test]
     fn pieces_are_scaled_copies_of_the_face() {
         let mut random = Random(5);
         for regular in 0..=WHOLE {
-            let mut seen: Vec<Option<[f64; 2]>> = vec![None; 16 * usize::from(DEEPEST + 1)];
+            let mut seen: Vec<Option<[f64; 2]>> = vec![None; 4 * usize::from(DEEPEST + 1)];
             let mut found = 0;
             for i in 0..20_000 {
                 let (s, t) = random.place();
                 let near = 2_f64.powi(-(i % 5));
                 let (s, t) = (s * near, t * near);
-                let (piece, x, y, scale) = in_face(s, t, regular);
+                let Found { piece, s: x, t: y, scale, .. } = in_face(s, t, regular);
                 let size = 1e-15 + f64::EPSILON * scale.abs();
                 assert!(x > -size && y > -size && x + y < 1.0 + size, "({x}, {y}) in {piece}");
                 let origin = [x - scale * s, y - scale * t];

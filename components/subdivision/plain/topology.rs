@@ -181,6 +181,12 @@ impl PlainTopology {
         Some(u64::from(a.is_regular()) | u64::from(b.is_regular()) << 1 | u64::from(c.is_regular()) << 2)
     }
 
+    /// The corners of a face, unless it is regular.
+    #[inline(always)]
+    pub(super) fn irregular_corners(&self, face: FaceId) -> Option<&[FinerCorner; 3]> {
+        self.corners.get(self.faces[face.index()] as usize)
+    }
+
     /// The corners of a face that is not regular.
     #[inline(always)]
     pub(super) fn finer_corners(&self, face: FaceId) -> &[FinerCorner; 3] {

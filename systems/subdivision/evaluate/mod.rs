@@ -175,9 +175,12 @@ impl Put for InOrder<'_> {
         self.0[index] = jet;
     }
 
-    /// What is written in a row the machine asks for by itself.
+    /// The machine asks for what is written in a row by itself, but late: what stands in the way of other
+    /// writes holds up all that reads them.
     #[inline(always)]
-    fn prefetch(&self, _: usize) {}
+    fn prefetch(&self, index: usize) {
+        prefetch_index(&*self.0, index);
+    }
 }
 
 /// Evaluates sorted records and puts each result where it belongs.

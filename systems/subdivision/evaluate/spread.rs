@@ -4,9 +4,10 @@
 //! So the kinds are brought together first, without a branch, and each is made in a loop of its own: what
 //! the machine has to guess is then the end of a loop.
 
+use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::boxspline::Quartic;
 use selvedge_components::subdivision::plain::place::DEEPEST;
-use selvedge_components::subdivision::plain::{CornerPieces, PatchReader, Piece, StepPieces};
+use selvedge_components::subdivision::plain::{Band, Bands, PatchReader, Piece};
 
 use super::super::lanes::Store;
 use super::worker::{Ahead, BLOCK, Block, Located};
@@ -16,19 +17,18 @@ use super::worker::{Ahead, BLOCK, Block, Located};
 enum Kind {
     Whole,
     Middle,
-    RegularCorner,
-    /// Of the first depth.
-    First,
-    /// Of the second.
-    Second,
-    Deeper,
     Vertex,
+    Deeper,
+    /// The first band around corner 0, 1 or 2: each has a loop of its own, in which nothing depends on it.
+    First,
+    /// The second.
+    Second = Kind::First as isize + 3,
 }
 
-const KINDS: usize = 7;
+const KINDS: usize = Kind::Second as usize + 3;
 
 /// Pieces in all.
-const PIECES: usize = 16 * (DEEPEST as usize + 1);
+const PIECES: usize = 4 * (DEEPEST as usize + 1);
 
 /// The kind of each piece, by its index.
 const KIND: [u8; PIECES] = {
@@ -36,22 +36,19 @@ const KIND: [u8; PIECES] = {
     let mut i = 0;
     while i < PIECES {
         let piece = Piece::from_index(i);
-        let kind = if i == Piece::WHOLE.index() {
-            Kind::Whole
+        kinds[i] = if i == Piece::WHOLE.index() {
+            Kind::Whole as u8
         } else if i == Piece::MIDDLE.index() {
-            Kind::Middle
-        } else if piece.quarter() == 3 {
-            Kind::RegularCorner
+            Kind::Middle as u8
         } else if piece.depth() == DEEPEST {
-            Kind::Vertex
+            Kind::Vertex as u8
         } else if piece.depth() == 0 {
-            Kind::First
+            Kind::First as u8 + piece.corner()
         } else if piece.depth() == 1 {
-            Kind::Second
+            Kind::Second as u8 + piece.corner()
         } else {
-            Kind::Deeper
+            Kind::Deeper as u8
         };
-        kinds[i] = kind as u8;
         i += 1;
     }
     kinds
@@ -86,125 +83,120 @@ impl List {
     }
 }
 
-/// The corners that the pieces in `slots` lie at: quarters of one corner share what they are made of.
-/// Returns for each corner a slot that is at it, and by slot its corner.
-#[inline(always)]
-fn find_corners(block: &Block, owners: &[u8; BLOCK], slots: impl Iterator<Item = usize>) -> (List, [u8; BLOCK]) {
-    let (mut corners, mut corner_of) = (List::EMPTY, [0_u8; BLOCK]);
-    // By face and corner, counted from one.
-    let mut seen = [0_u8; 4 * BLOCK];
-    for slot in slots {
-        let place = usize::from(owners[slot]);
-        let corner = Piece::from_index(block.piece[place] as usize).corner();
-        let before = &mut seen[(4 * usize::from(block.run[place]) + usize::from(corner & 3)) % (4 * BLOCK)];
-        let is_new = *before == 0;
-        *before = if is_new { corners.count as u8 + 1 } else { *before };
-        corner_of[slot] = *before - 1;
-        // Written over until the next one is new.
-        corners.numbers[corners.count % BLOCK] = slot as u8;
-        corners.count += usize::from(is_new);
-    }
-    (corners, corner_of)
-}
-
 /// Scratch for blocks of places on many faces.
 pub(super) struct Spread<'a, L: Store> {
     reader: PatchReader<'a, L>,
-    /// By the index of a piece, the polynomial that was made for it last.
+    /// By the index of a piece, where it was made last.
     pieces: Vec<Seen>,
     /// By slot.
-    quartics: Vec<Quartic<L::Vector>>,
-    corners: Vec<StepPieces<L::Vector>>,
-    second: StepPieces<L::Vector>,
-    /// By place, the slot of its polynomial.
+    bands: Vec<Band<L::Vector>>,
+    /// By place, the slot of its piece.
     slots: [u8; BLOCK],
-    scratch: CornerPieces<'a, L>,
+    scratch: Bands<'a, L>,
     /// Beyond all stamps so far.
     stamp: u64,
 }
 
+/// The pieces of a block, each with a place that lies there.
+struct Wanted<'a, P> {
+    block: &'a Block,
+    places: &'a [P],
+    owners: [u8; BLOCK],
+}
+
+impl<P: Located> Wanted<'_, P> {
+    #[inline(always)]
+    fn face(&self, slot: usize) -> FaceId {
+        self.places[usize::from(self.owners[slot])].face()
+    }
+
+    #[inline(always)]
+    fn piece(&self, slot: usize) -> Piece {
+        Piece::from_index(self.block.piece[usize::from(self.owners[slot])] as usize)
+    }
+}
+
 impl<'a, L: Store> Spread<'a, L> {
     pub fn new(reader: PatchReader<'a, L>, store: L) -> Self {
+        let none = reader.plain(Quartic { coefficients: [store.zero(); 14] });
         Self {
             reader,
             pieces: vec![Seen::default(); PIECES],
-            quartics: vec![Quartic { coefficients: [store.zero(); 14] }; BLOCK],
-            corners: vec![reader.no_step_pieces(); BLOCK],
-            second: reader.no_step_pieces(),
+            bands: vec![none; BLOCK],
             slots: [0; BLOCK],
-            scratch: reader.scratch(),
+            scratch: reader.no_bands(),
             stamp: 1,
         }
     }
 
-    /// The polynomial in which the `i`-th place of the block lies that was made last.
+    /// The piece in which the `i`-th place of the block lies that was made last.
     #[inline(always)]
-    pub fn quartic(&self, i: usize) -> &Quartic<L::Vector> {
-        &self.quartics[usize::from(self.slots[i % BLOCK]) % BLOCK]
+    pub fn band(&self, i: usize) -> &Band<L::Vector> {
+        &self.bands[usize::from(self.slots[i % BLOCK]) % BLOCK]
     }
 
-    /// Makes the polynomials of all pieces in which places of the block lie, each once.
+    /// Makes all pieces in which places of the block lie, each once.
     #[inline(always)]
     pub fn make<P: Located>(&mut self, block: &Block, places: &[P], mut ahead: Ahead<'_, P>) {
         let (owners, count) = self.find(block, places.len());
+        let wanted = Wanted { block, places, owners };
         let mut kinds = [List::EMPTY; KINDS];
-        for (slot, &owner) in owners.iter().enumerate().take(count) {
-            let piece = block.piece[usize::from(owner)] as usize;
-            kinds[usize::from(KIND[piece % PIECES])].push(slot);
+        for slot in 0..count {
+            kinds[usize::from(KIND[wanted.piece(slot).index() % PIECES])].push(slot);
         }
-        let of = |slot: usize| {
-            let place = usize::from(owners[slot]);
-            (places[place].face(), Piece::from_index(block.piece[place] as usize))
-        };
         for slot in kinds[Kind::Whole as usize].iter() {
             ahead.step(&self.reader);
-            self.quartics[slot] = self.reader.whole(of(slot).0);
+            self.bands[slot] = self.reader.plain(self.reader.whole(wanted.face(slot)));
         }
         for slot in kinds[Kind::Middle as usize].iter() {
             ahead.step(&self.reader);
-            self.quartics[slot] = self.reader.middle(of(slot).0);
-        }
-        for slot in kinds[Kind::RegularCorner as usize].iter() {
-            ahead.step(&self.reader);
-            let (face, piece) = of(slot);
-            self.quartics[slot] = self.reader.regular_corner(face, piece.corner());
+            self.bands[slot] = self.reader.plain(self.reader.middle(wanted.face(slot)));
         }
         for slot in kinds[Kind::Vertex as usize].iter() {
             ahead.step(&self.reader);
-            let (face, piece) = of(slot);
-            self.quartics[slot] = self.reader.tangent_plane(face, piece.corner());
+            let quartic = self.reader.tangent_plane(wanted.face(slot), wanted.piece(slot).corner());
+            self.bands[slot] = self.reader.plain(quartic);
         }
-        for slot in kinds[Kind::Deeper as usize].iter() {
+        let (others, corners) = kinds.split_at_mut(Kind::First as usize);
+        let deeper = &mut others[Kind::Deeper as usize];
+        self.around::<P, 0>(&wanted, corners, deeper, &mut ahead);
+        self.around::<P, 1>(&wanted, corners, deeper, &mut ahead);
+        self.around::<P, 2>(&wanted, corners, deeper, &mut ahead);
+        for slot in deeper.iter() {
             ahead.step(&self.reader);
-            let (face, piece) = of(slot);
-            self.reader.corner(face, piece.corner(), &mut self.scratch);
+            let piece = wanted.piece(slot);
+            self.reader.begin(wanted.face(slot), piece.corner(), &mut self.scratch);
             for _ in 0..piece.depth() {
                 self.scratch.descend();
             }
-            self.quartics[slot] = self.scratch.quarter(piece.depth(), piece.quarter(), piece.corner());
-        }
-
-        let (first, second) = (&kinds[Kind::First as usize], &kinds[Kind::Second as usize]);
-        let (corners, corner_of) = find_corners(block, &owners, first.iter().chain(second.iter()));
-        for (i, slot) in corners.iter().enumerate() {
-            ahead.step(&self.reader);
-            let (face, piece) = of(slot);
-            self.reader.first_pieces(face, piece.corner(), &mut self.corners[i], &mut self.scratch);
-        }
-        for slot in first.iter() {
-            ahead.step(&self.reader);
-            let piece = of(slot).1;
-            let pieces = &self.corners[usize::from(corner_of[slot])];
-            self.quartics[slot] = pieces.quarter(piece.quarter(), piece.corner());
-        }
-        for slot in second.iter() {
-            ahead.step(&self.reader);
-            let (face, piece) = of(slot);
-            let before = &self.corners[usize::from(corner_of[slot])];
-            self.reader.second_pieces(face, piece.corner(), before, &mut self.second, &mut self.scratch);
-            self.quartics[slot] = self.second.quarter(piece.quarter(), piece.corner());
+            self.bands[slot] = self.scratch.band(piece.depth(), piece.corner());
         }
         ahead.finish(&self.reader);
+    }
+
+    /// Makes the first two bands around the corners `CORNER`; those on borders are left to `deeper`.
+    #[inline(always)]
+    fn around<P: Located, const CORNER: usize>(
+        &mut self,
+        wanted: &Wanted<'_, P>,
+        corners: &[List],
+        deeper: &mut List,
+        ahead: &mut Ahead<'_, P>,
+    ) {
+        for slot in corners[CORNER].iter() {
+            ahead.step(&self.reader);
+            match self.reader.first_band(wanted.face(slot), CORNER) {
+                Some(band) => self.bands[slot] = band,
+                None => deeper.push(slot),
+            }
+        }
+        for slot in corners[3 + CORNER].iter() {
+            ahead.step(&self.reader);
+            match self.reader.second_band(wanted.face(slot), CORNER) {
+                Some(band) => self.bands[slot] = band,
+                None => deeper.push(slot),
+            }
+        }
     }
 
     /// Gives each piece of each face a slot, and each place its piece's; returns for each slot a place that

@@ -1,12 +1,11 @@
 //! Evaluates places in turn; what one face is made of is made once, as far as its places need it.
 
-use glam::DVec3;
 use selvedge_components::evaluate::Jet;
 use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::PlainLoop;
 use selvedge_components::subdivision::boxspline::Quartic;
-use selvedge_components::subdivision::plain::place::{self, DEEPEST};
-use selvedge_components::subdivision::plain::{CornerPieces, PatchReader, Piece};
+use selvedge_components::subdivision::plain::place::{self, DEEPEST, Found};
+use selvedge_components::subdivision::plain::{Band, Bands, PatchReader, Piece};
 
 use super::super::lanes::Store;
 use super::spread::Spread;
@@ -54,6 +53,8 @@ pub(super) struct Block {
     piece_s: [f64; BLOCK],
     piece_t: [f64; BLOCK],
     scale: [f64; BLOCK],
+    /// Of the excess, there and in the derivatives.
+    weights: [[f64; BLOCK]; 3],
 }
 
 /// What is to be asked for while something else is in work: corner by corner, so that memory is never asked
@@ -61,24 +62,25 @@ pub(super) struct Block {
 pub(super) struct Ahead<'a, P> {
     block: &'a Block,
     places: &'a [P],
-    next: usize,
+    run: usize,
+    corner: usize,
 }
 
 impl<P: Located> Ahead<'_, P> {
     /// Asks for the next corner.
     #[inline(always)]
     pub fn step<L: Store>(&mut self, reader: &PatchReader<'_, L>) {
-        let run = self.next / 3;
-        if run < self.block.runs {
-            reader.prefetch(self.places[usize::from(self.block.starts[run])].face(), self.next % 3);
-            self.next += 1;
+        if self.run < self.block.runs {
+            let place = usize::from(self.block.starts[self.run % BLOCK]);
+            reader.prefetch(self.places[place].face(), self.corner);
+            (self.run, self.corner) = if self.corner < 2 { (self.run, self.corner + 1) } else { (self.run + 1, 0) };
         }
     }
 
     /// Asks for all that is left.
     #[inline(always)]
     pub fn finish<L: Store>(&mut self, reader: &PatchReader<'_, L>) {
-        while self.next < 3 * self.block.runs {
+        while self.run < self.block.runs {
             self.step(reader);
         }
     }
@@ -97,6 +99,7 @@ impl Block {
         piece_s: [0.0; BLOCK],
         piece_t: [0.0; BLOCK],
         scale: [0.0; BLOCK],
+        weights: [[0.0; BLOCK]; 3],
     };
 
     /// Reads up to [`BLOCK`] places.
@@ -128,17 +131,35 @@ impl Block {
             *regular = self.corners[usize::from(run) % BLOCK];
         }
         for i in 0..BLOCK {
-            let found = place::in_face(self.s[i], self.t[i], self.regular[i]);
-            (self.piece[i], self.piece_s[i], self.piece_t[i], self.scale[i]) = found;
+            let Found { piece, s, t, scale, weights } = place::in_face(self.s[i], self.t[i], self.regular[i]);
+            (self.piece[i], self.piece_s[i], self.piece_t[i], self.scale[i]) = (piece, s, t, scale);
+            (self.weights[0][i], self.weights[1][i], self.weights[2][i]) = weights.into();
         }
     }
 }
 
-/// The polynomial of a piece of the `face`-th face.
+/// A piece of the `face`-th face.
 #[derive(Clone, Copy)]
 struct Made<V> {
     face: u64,
-    quartic: Quartic<V>,
+    band: Band<V>,
+}
+
+const MIDDLE: usize = Piece::MIDDLE.index();
+const WHOLE: usize = Piece::WHOLE.index();
+const FIRST_0: usize = Piece::new(0, 0).index();
+const FIRST_1: usize = Piece::new(1, 0).index();
+const FIRST_2: usize = Piece::new(2, 0).index();
+const SECOND_0: usize = Piece::new(0, 1).index();
+const SECOND_1: usize = Piece::new(1, 1).index();
+const SECOND_2: usize = Piece::new(2, 1).index();
+
+/// Puts a band, if there is one, where it belongs; says whether there is.
+#[inline(always)]
+fn fill<V>(band: Option<Band<V>>, place: &mut Band<V>) -> bool {
+    let Some(band) = band else { return false };
+    *place = band;
+    true
 }
 
 /// Evaluates places in turn; scratch is kept between faces.
@@ -149,7 +170,7 @@ pub(super) struct Worker<'a, L: Store> {
     /// The places in work and those after them, in turn.
     blocks: [Block; 2],
     /// Of the face of that number.
-    corners: [(u64, CornerPieces<'a, L>); 3],
+    corners: [(u64, Bands<'a, L>); 3],
     /// By the index of a piece.
     pieces: Vec<Made<L::Vector>>,
     spread: Spread<'a, L>,
@@ -161,7 +182,7 @@ impl<'a, L: Store> Worker<'a, L> {
     #[inline(always)]
     pub fn new(surface: &'a PlainLoop, store: L) -> Self {
         let reader = PatchReader::new(surface, store);
-        let corners = [(0, reader.scratch()), (0, reader.scratch()), (0, reader.scratch())];
+        let corners = [(0, reader.no_bands()), (0, reader.no_bands()), (0, reader.no_bands())];
         let spread = Spread::new(reader, store);
         Self { store, surface, reader, blocks: [Block::EMPTY; 2], corners, pieces: Vec::new(), spread, face: 1 }
     }
@@ -231,7 +252,7 @@ impl<'a, L: Store> Worker<'a, L> {
                 if i < next.len() {
                     put.prefetch(first + BLOCK + i);
                 }
-                put.put(first + i, self.jet(&quartic, block.s[i], block.t[i], 1.0));
+                put.put(first + i, self.jet(quartic.with_derivatives(block.s[i], block.t[i]), 1.0));
             }
         }
     }
@@ -240,15 +261,14 @@ impl<'a, L: Store> Worker<'a, L> {
     #[inline(always)]
     fn spread<P: Located>(&mut self, number: usize, places: &[P], next: &[P], put: &mut impl Put) {
         let first = BLOCK * number;
-        let ahead = Ahead { block: &self.blocks[(number + 1) % 2], places: next, next: 0 };
+        let ahead = Ahead { block: &self.blocks[(number + 1) % 2], places: next, run: 0, corner: 0 };
         self.spread.make(&self.blocks[number % 2], places, ahead);
         let block = &self.blocks[number % 2];
         for i in 0..places.len().min(BLOCK) {
             if i < next.len() {
                 put.prefetch(first + BLOCK + i);
             }
-            let quartic = self.spread.quartic(i);
-            put.put(first + i, self.jet(quartic, block.piece_s[i], block.piece_t[i], block.scale[i]));
+            put.put(first + i, self.in_band(self.spread.band(i), block, i));
         }
     }
 
@@ -267,52 +287,73 @@ impl<'a, L: Store> Worker<'a, L> {
             if self.pieces.get(piece).is_none_or(|made| made.face != face) {
                 self.make(place.face(), face, piece);
             }
-            let (block, made) = (&self.blocks[number % 2], &self.pieces[piece]);
-            put.put(first + i, self.jet(&made.quartic, block.piece_s[i], block.piece_t[i], block.scale[i]));
+            put.put(first + i, self.in_band(&self.pieces[piece].band, &self.blocks[number % 2], i));
         }
     }
 
-    /// Makes the polynomial of a piece of `face`, which is the `number`-th.
+    /// Makes a piece of `face`, which is the `number`-th.
+    ///
+    /// Which comes next cannot be foreseen: one jump leads to code in which nothing depends on it any more.
     #[inline(always)]
     fn make(&mut self, face: FaceId, number: u64, index: usize) {
         if self.pieces.len() <= index {
             self.grow(index);
         }
-        let piece = Piece::from_index(index);
-        let made = &mut self.pieces[index];
+        let (reader, made) = (self.reader, &mut self.pieces[index]);
         made.face = number;
         // Each where it is made: a polynomial is too large to be handed around.
-        if piece == Piece::WHOLE {
-            made.quartic = self.reader.whole(face);
-        } else if piece == Piece::MIDDLE {
-            made.quartic = self.reader.middle(face);
-        } else if piece.quarter() == 3 {
-            made.quartic = self.reader.regular_corner(face, piece.corner());
-        } else if piece.depth() == DEEPEST {
-            made.quartic = self.reader.tangent_plane(face, piece.corner());
-        } else {
-            let (of_face, pieces) = &mut self.corners[usize::from(piece.corner())];
-            if *of_face != number {
-                *of_face = number;
-                self.reader.corner(face, piece.corner(), pieces);
-            }
-            while pieces.depths() <= usize::from(piece.depth()) {
-                pieces.descend();
-            }
-            made.quartic = pieces.quarter(piece.depth(), piece.quarter(), piece.corner());
+        let is_made = match index {
+            MIDDLE => fill(Some(reader.plain(reader.middle(face))), &mut made.band),
+            WHOLE => fill(Some(reader.plain(reader.whole(face))), &mut made.band),
+            FIRST_0 => fill(reader.first_band(face, 0), &mut made.band),
+            FIRST_1 => fill(reader.first_band(face, 1), &mut made.band),
+            FIRST_2 => fill(reader.first_band(face, 2), &mut made.band),
+            SECOND_0 => fill(reader.second_band(face, 0), &mut made.band),
+            SECOND_1 => fill(reader.second_band(face, 1), &mut made.band),
+            SECOND_2 => fill(reader.second_band(face, 2), &mut made.band),
+            _ => false,
+        };
+        if !is_made {
+            self.make_around(face, number, index);
         }
+    }
+
+    /// Makes any band around a corner, or its vertex.
+    #[inline(always)]
+    fn make_around(&mut self, face: FaceId, number: u64, index: usize) {
+        let piece = Piece::from_index(index);
+        if piece.depth() == DEEPEST {
+            self.pieces[index].band = self.reader.plain(self.reader.tangent_plane(face, piece.corner()));
+            return;
+        }
+        let (of_face, bands) = &mut self.corners[usize::from(piece.corner())];
+        if *of_face != number {
+            *of_face = number;
+            self.reader.begin(face, piece.corner(), bands);
+        }
+        while bands.depths() <= usize::from(piece.depth()) {
+            bands.descend();
+        }
+        self.pieces[index].band = bands.band(piece.depth(), piece.corner());
     }
 
     #[cold]
     fn grow(&mut self, index: usize) {
-        let none = Made { face: 0, quartic: Quartic { coefficients: [self.store.load(DVec3::ZERO); 14] } };
+        let none = Quartic { coefficients: [self.store.zero(); 14] };
+        let none = Made { face: 0, band: self.reader.plain(none) };
         self.pieces.resize(index + 1, none);
     }
 
-    /// The value at `(s, t)` of a polynomial whose coordinates run `scale` times as fast as the face's.
+    /// The value at the `i`-th place of `block`, which lies in `band`.
     #[inline(always)]
-    fn jet(&self, quartic: &Quartic<L::Vector>, s: f64, t: f64, scale: f64) -> Jet {
-        let [position, ds, dt] = quartic.with_derivatives(s, t);
+    fn in_band(&self, band: &Band<L::Vector>, block: &Block, i: usize) -> Jet {
+        let weights = [block.weights[0][i], block.weights[1][i], block.weights[2][i]];
+        self.jet(band.with_derivatives(block.piece_s[i], block.piece_t[i], weights), block.scale[i])
+    }
+
+    /// What is known along coordinates that run `scale` times as fast as the face's.
+    #[inline(always)]
+    fn jet(&self, [position, ds, dt]: [L::Vector; 3], scale: f64) -> Jet {
         let (ds, dt) = (ds * scale, dt * scale);
         Jet { position: self.store.store(position), ds: self.store.store(ds), dt: self.store.store(dt) }
     }

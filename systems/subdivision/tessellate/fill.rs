@@ -201,7 +201,7 @@ impl<S: Sample> Pass<'_, S> {
                 if depth > 0 {
                     scratch.pieces.descend();
                 }
-                let [first, second, third] = [0, 1, 2].map(|quarter| scratch.pieces.quarter(depth as u8, quarter, 0));
+                let [first, second, third] = [0, 1, 2].map(|quarter| scratch.pieces.quarter(depth as u8, quarter));
                 self.sample_piece(&first, along, scratch, |a, b| place(size + a, b));
                 self.sample_piece(&second, along, scratch, |a, b| place(a, size + b));
                 if size > 1 {
