@@ -2,6 +2,8 @@
 
 mod support;
 
+use std::f64::consts::FRAC_PI_6;
+
 use glam::DVec2;
 use selvedge::curve::Heading;
 use selvedge::subdivision::{ControlPoints, LoopSurface, Position, Snapshot};
@@ -109,7 +111,7 @@ fn trims_of_a_baked_result_keep_their_tolerance() {
     engine.settle().expect("trims end");
     let baked = engine.bake(engine.result(source).expect("a result")).expect("it is the present one");
     for k in 0..12 {
-        let turn = DVec2::from_angle(0.5236 * f64::from(k));
+        let turn = DVec2::from_angle(FRAC_PI_6 * f64::from(k));
         let through = ring(&mut engine, DVec2::new(-0.02, 0.0) + 0.061 * turn, 0.03 + 0.001 * f64::from(k), &given);
         let trim = engine.spawn_trim(baked, &through, tolerance(), TrimOptions::default());
         engine.settle().expect("trims end");

@@ -25,7 +25,7 @@ impl FitWork {
         let end = open.fit_rows.vertices.len().min(begin + QUANTUM);
         let (rows, state, target, hints) = (&open.fit_rows, &open.levels[1].state, &self.target, &open.hints);
         let quasi = matches!(self.options.rule, Rule::Quasi { .. });
-        let (surface, natural, mesh) = (&self.surface, &self.natural, &open.levels[1].mesh);
+        let (surface, natural, mesh) = (&self.remembering, &self.natural, &open.levels[1].mesh);
         let all = rows.apply_range(state, begin..end);
         let found = map_in_order(end - begin, |i| {
             // The stencils of the quasi rule read the residuals at the level's own vertices only.

@@ -28,9 +28,9 @@ use crate::target::Target;
 #[derive(Component, Debug)]
 pub struct FitWork {
     /// What is fitted, as it was given.
-    given: Arc<LoopSurface>,
+    surface: Arc<LoopSurface>,
     /// The same, whose curves remember what they are asked: one level asks for the points of the one before.
-    pub(super) surface: Arc<LoopSurface>,
+    pub(super) remembering: Arc<LoopSurface>,
     pub(super) target: Arc<dyn Target>,
     pub(super) options: FitOptions,
     pub(super) corners: CornerTable,
@@ -60,8 +60,7 @@ impl FitWork {
     /// When the options cannot be met or the surface is not finite.
     pub fn new(surface: Arc<LoopSurface>, target: Arc<dyn Target>, options: FitOptions) -> Result<Self, FitError> {
         check_options(&surface, &options)?;
-        let given = Arc::clone(&surface);
-        let surface = Arc::new(surface.remembering());
+        let remembering = Arc::new(surface.remembering());
         let corners = CornerTable::new(&surface);
         let details = surface.details.clone();
         if let Some(v) = surface.points.iter().position(|p| !p.is_finite()) {
@@ -73,8 +72,8 @@ impl FitWork {
         let watched = (1..).zip(detailed).map(|(level, faces)| within(&options.region, &surface, level, faces));
         let watched = watched.collect();
         Ok(Self {
-            given,
             surface,
+            remembering,
             target,
             options,
             corners,
@@ -162,7 +161,7 @@ impl FitWork {
 
     /// What is being fitted.
     pub fn surface(&self) -> &Arc<LoopSurface> {
-        &self.given
+        &self.surface
     }
 
     /// The points measured at the level in work and their distances to the target, for pictures:

@@ -92,11 +92,11 @@ impl FitWork {
             let base = &mut open.levels[0];
             chain::shift(&base.mesh, &mut base.state, open.movable[i], change);
         }
-        store(open, &self.surface.details, &mut self.details);
+        store(open, &self.remembering.details, &mut self.details);
         let [base, finer, finest] = &mut open.levels;
-        let own = &self.surface.details;
-        finer.state = chain::advance(&self.surface, &self.corners, own, &open.steps[0], base, &finer.mesh);
-        finest.state = chain::advance(&self.surface, &self.corners, own, &open.steps[1], finer, &finest.mesh);
+        let own = &self.remembering.details;
+        finer.state = chain::advance(&self.remembering, &self.corners, own, &open.steps[0], base, &finer.mesh);
+        finest.state = chain::advance(&self.remembering, &self.corners, own, &open.steps[1], finer, &finest.mesh);
         open.residuals.clear();
         open.distances.clear();
         open.measured.clear();

@@ -86,7 +86,7 @@ enum Part {
     Finer,
     Quarters,
     FinestFaces,
-    FinestMesh(Quartered),
+    FinestMesh(Box<Quartered>),
     /// From this vertex on.
     FinestStep(u32),
     FinestState,
@@ -139,7 +139,7 @@ impl Opening {
                 rings.quarters = local(&finer.mesh, &quarters);
                 Part::FinestFaces
             }
-            Part::FinestFaces => Part::FinestMesh(finer.mesh.quarter(&rings.quarters)),
+            Part::FinestFaces => Part::FinestMesh(Box::new(finer.mesh.quarter(&rings.quarters))),
             Part::FinestMesh(quartered) => {
                 finest.mesh = quartered.settle(&finer.mesh, surface);
                 Part::FinestStep(0)

@@ -40,7 +40,7 @@ impl FitWork {
     /// When the target has no answer, or the next level would pass the budget.
     pub fn refine(&mut self) -> Result<Quantum, FitError> {
         if let Some(opening) = &mut self.opening {
-            let Some(next) = opening.advance(&self.surface, &self.corners, &self.details) else {
+            let Some(next) = opening.advance(&self.remembering, &self.corners, &self.details) else {
                 return Ok(Quantum::More);
             };
             self.opening = None;
@@ -52,7 +52,7 @@ impl FitWork {
         let open = &mut self.open;
         let begin = open.distances.len();
         let end = open.tested.len().min(begin + QUANTUM);
-        let (surface, corners, target, natural) = (&self.surface, &self.corners, &self.target, &self.natural);
+        let (surface, corners, target, natural) = (&self.remembering, &self.corners, &self.target, &self.natural);
         let Level { mesh, state } = &open.levels[2];
         let parts = map_dear_in_order((end - begin).div_ceil(PART), |i| {
             let part = begin + i * PART..end.min(begin + (i + 1) * PART);
@@ -150,7 +150,7 @@ impl FitWork {
     fn open_next(&mut self) -> Quantum {
         let failing: Vec<FaceCode> = self.open.errors.iter().filter(|p| p.1 > self.limit()).map(|p| p.0).collect();
         let level = self.open.level + 1;
-        let faces = within(&self.options.region, &self.surface, level, region::children(&failing));
+        let faces = within(&self.options.region, &self.remembering, level, region::children(&failing));
         self.opening = Some(Opening::new(level, faces, self.watched(level).to_vec()));
         Quantum::More
     }
@@ -162,7 +162,7 @@ impl FitWork {
 
     /// Goes on with a level that has been opened.
     fn take_level(&mut self, mut next: OpenLevel) -> Result<Quantum, FitError> {
-        next.allow(&self.surface, &self.options.region);
+        next.allow(&self.remembering, &self.options.region);
         if self.initial.is_none() {
             for (v, &at) in next.levels[0].state.effective.iter().enumerate() {
                 if !at.is_finite() {
