@@ -24,8 +24,8 @@ use super::track::{Near, Track, Visit, size, spread};
 /// What the cage near a curve is adapted to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdaptOptions {
-    /// Arc over chord, less one, above which a face is split; half as much where the curve bends more tightly
-    /// than most of its piece does, by [`TIGHT`]. Two hundredths are a turn of 0.7 radians in a face, nine faces
+    /// Arc over chord, less one, above which a face is split; half as much where the curve's radius is
+    /// less than a twelfth of the length of its smooth piece. Two hundredths are a turn of 0.7 radians in a face, nine faces
     /// round a circle at least. Half that would make bores on many cages dearer, up to twice, and none cheaper;
     /// in a fillet it would leave a single vertex.
     pub bend: f64,
