@@ -24,10 +24,10 @@ use super::track::{Near, Track, Visit, size, spread};
 /// What the cage near a curve is adapted to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdaptOptions {
-    /// Arc over chord, less one, above which a face is split; half as much where the curve's radius is
-    /// less than a twelfth of the length of its smooth piece. Two hundredths are a turn of 0.7 radians in a face, nine faces
-    /// round a circle at least. Half that would make bores on many cages dearer, up to twice, and none cheaper;
-    /// in a fillet it would leave a single vertex.
+    /// Arc over chord, less one, above which a face is split; half as much where the curve's radius is less
+    /// than a twelfth of the length of its smooth piece. Two hundredths are a turn of 0.7 radians in a face, nine
+    /// faces round a circle at least. Half that everywhere would make bores on many cages dearer, up to twice,
+    /// and none cheaper; a fillet needs it, to have more than one vertex.
     pub bend: f64,
     /// Faces nearer to a curve than this many of their own sizes are split to the curve's level.
     pub near: f64,
