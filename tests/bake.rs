@@ -20,6 +20,17 @@ fn ring(engine: &mut Engine, centre: DVec2, radius: f64, of: &LoopSurface) -> [(
     [(engine.spawn_curve(circle(of, centre, radius)), Heading::Against)]
 }
 
+/// A plate with a bore in it, baked.
+fn bored_and_baked(given: &LoopSurface) -> (Engine, bevy_ecs::entity::Entity) {
+    let mut engine = Engine::new();
+    let source = engine.spawn_surface(given);
+    let bore = ring(&mut engine, DVec2::new(-0.02, 0.0), 0.05, given);
+    engine.spawn_trim(source, &bore, tolerance(), TrimOptions::default());
+    engine.settle().expect("trims end");
+    let baked = engine.bake(engine.result(source).expect("a result")).expect("it is the present one");
+    (engine, baked)
+}
+
 #[test]
 fn a_baked_result_stays_when_its_source_is_edited() {
     let mut plate = Plate::new();
@@ -49,13 +60,8 @@ fn a_baked_result_stays_when_its_source_is_edited() {
 
 #[test]
 fn a_baked_result_can_itself_be_trimmed_through_its_hole_too() {
-    let mut engine = Engine::new();
     let given = plate();
-    let source = engine.spawn_surface(&given);
-    let bore = ring(&mut engine, DVec2::new(-0.02, 0.0), 0.05, &given);
-    engine.spawn_trim(source, &bore, tolerance(), TrimOptions::default());
-    engine.settle().expect("trims end");
-    let baked = engine.bake(engine.result(source).expect("a result")).expect("it is the present one");
+    let (mut engine, baked) = bored_and_baked(&given);
     engine.settle().expect("it is gathered");
     let first = surface(&engine, baked).clone();
     let through = ring(&mut engine, DVec2::new(0.04, 0.01), 0.04, &given);
@@ -103,13 +109,8 @@ fn what_is_no_result_is_not_baked() {
 /// measured: trims of it keep their tolerance all the same, wherever they lie.
 #[test]
 fn trims_of_a_baked_result_keep_their_tolerance() {
-    let mut engine = Engine::new();
     let given = plate();
-    let source = engine.spawn_surface(&given);
-    let bore = ring(&mut engine, DVec2::new(-0.02, 0.0), 0.05, &given);
-    engine.spawn_trim(source, &bore, tolerance(), TrimOptions::default());
-    engine.settle().expect("trims end");
-    let baked = engine.bake(engine.result(source).expect("a result")).expect("it is the present one");
+    let (mut engine, baked) = bored_and_baked(&given);
     for k in 0..12 {
         let turn = DVec2::from_angle(FRAC_PI_6 * f64::from(k));
         let through = ring(&mut engine, DVec2::new(-0.02, 0.0) + 0.061 * turn, 0.03 + 0.001 * f64::from(k), &given);
