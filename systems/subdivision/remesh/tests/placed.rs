@@ -151,7 +151,6 @@ fn a_refusal_names_the_parameter_of_the_point_that_it_names() {
             }
         }
     }
-    println!("{kinds:?}");
     assert!(kinds[&Some("too fine")] > 30 && kinds[&Some("unresolved")] > 30, "{kinds:?}");
 }
 
@@ -206,6 +205,5 @@ fn curves_that_all_but_meet_in_one_point_are_told_where_they_do() {
         let Err(why) = made else { continue };
         *kinds.entry(placed(&format!("{k}"), &cuts, &why)).or_insert(0) += 1;
     }
-    println!("{kinds:?}");
     assert!(!kinds.is_empty(), "what is too small for any cage is told");
 }
