@@ -10,12 +10,16 @@
 //!      0 --------- 1           0 --- 01 -- 1
 //! ```
 
+mod refine;
+
 use glam::DVec3;
 
 use super::address::{Address, FaceCode};
 use super::corner::CornerTable;
 use super::surface::{Border, Ends, LoopSurface, Side};
 use crate::mesh::{Connectivity, FaceId, HalfedgeId};
+
+pub use refine::{BorderStep, Quartered};
 
 /// No element: what stands in a table where there is none.
 pub const NONE: u32 = u32::MAX;
@@ -303,6 +307,23 @@ impl LevelMesh {
         self.codes.binary_search(&code).ok().map(|f| f as u32)
     }
 
+    /// The indices here of `faces`, which ascend, without those that are not here.
+    pub fn find_all(&self, faces: &[FaceCode]) -> Vec<u32> {
+        let mut passed = 0;
+        let place = |&face: &FaceCode| {
+            // Most often the next, or near it: strides that double come there sooner than halving all.
+            let left = &self.codes[passed..];
+            let mut stride = 1;
+            while left.get(stride).is_some_and(|&code| code < face) {
+                stride *= 2;
+            }
+            let (begin, end) = (stride / 2, left.len().min(stride + 1));
+            passed += begin + left[begin..end].partition_point(|&code| code < face);
+            (self.codes.get(passed) == Some(&face)).then_some(passed as u32)
+        };
+        faces.iter().filter_map(place).collect()
+    }
+
     /// The address of every vertex.
     pub fn addresses(&self, mesh: &Connectivity) -> Vec<Address> {
         let mut addresses = vec![Address::Face(FaceId(NONE), 0, 0); self.vertices.len()];
@@ -315,165 +336,6 @@ impl LevelMesh {
             }
         }
         addresses
-    }
-
-    /// The next level over the children of `faces`, which ascend and must be
-    /// [refinable](Self::refinable).
-    pub fn refine(&self, surface: &LoopSurface, faces: &[u32]) -> Self {
-        self.quarter(faces).settle(self, surface)
-    }
-
-    /// The faces and vertices of [`Self::refine`], and nothing yet that takes looking at all of them.
-    pub fn quarter(&self, faces: &[u32]) -> Quartered {
-        let mut finer = Self {
-            level: self.level + 1,
-            codes: faces.iter().flat_map(|&f| (0..4).map(move |c| self.codes[f as usize].child(c))).collect(),
-            corners: Vec::with_capacity(4 * faces.len()),
-            vertices: Vec::new(),
-            given: Vec::new(),
-            special: Vec::new(),
-            twins: vec![NONE; 12 * faces.len()],
-            borders: vec![NONE; 12 * faces.len()],
-            border_edges: Vec::new(),
-            parents: faces.to_vec(),
-        };
-        let mut family = vec![NONE; self.corners.len()];
-        for (g, &f) in faces.iter().enumerate() {
-            family[f as usize] = g as u32;
-        }
-        self.link(&family, &mut finer);
-        self.place_vertices(&family, &mut finer);
-        Quartered(finer)
-    }
-
-    /// Twins and borders of the children, from those of the parents.
-    fn link(&self, family: &[u32], finer: &mut Self) {
-        for g in 0..finer.parents.len() as u32 {
-            let child = |c: u32, i: u32| 3 * (4 * g + c) + i;
-            for i in 0..3 {
-                let (inner, outer) = (child(3, i), child((i + 1) % 3, (i + 2) % 3));
-                finer.twins[inner as usize] = outer;
-                finer.twins[outer as usize] = inner;
-                let h = 3 * finer.parents[g as usize] + i;
-                let (first, second) = (child(i, i), child((i + 1) % 3, i));
-                if let Some(twin) = self.twin(h) {
-                    let other = family[twin as usize / 3];
-                    if other != NONE {
-                        let k = twin % 3;
-                        finer.twins[first as usize] = 3 * (4 * other + (k + 1) % 3) + k;
-                        finer.twins[second as usize] = 3 * (4 * other + k) + k;
-                    }
-                } else if let Some((side, step)) = self.border(h) {
-                    for (half, step) in [(first, 2 * step), (second, 2 * step + 1)] {
-                        finer.borders[half as usize] = finer.border_edges.len() as u32;
-                        finer.border_edges.push(BorderEdge { side, step });
-                    }
-                }
-            }
-        }
-    }
-
-    /// Vertices of the children: first those that stand for a vertex, in its order, then those that
-    /// halve an edge, in the order of the smaller half-edge.
-    fn place_vertices(&self, family: &[u32], finer: &mut Self) {
-        let mut of_vertex = vec![NONE; self.vertices.len()];
-        for &f in &finer.parents {
-            for v in self.corners[f as usize] {
-                of_vertex[v as usize] = 0;
-            }
-        }
-        for (v, name) in of_vertex.iter_mut().enumerate().filter(|(_, name)| **name == 0) {
-            *name = finer.vertices.len() as u32;
-            let h = self.vertices[v].start;
-            // A cut vertex may start in a face that is not subdivided: any child corner will do.
-            let g = family[h as usize / 3];
-            let start = if g == NONE { NONE } else { 3 * (4 * g + h % 3) + h % 3 };
-            let origin = Origin::Vertex(v as u32);
-            finer.special.extend((self.vertices[v].corner != NONE).then_some(*name));
-            finer.vertices.push(LevelVertex { start, origin, ring: RingState::Whole, ..self.vertices[v] });
-        }
-        let mut of_edge = vec![NONE; self.twins.len()];
-        for (g, &f) in finer.parents.iter().enumerate() {
-            for i in 0..3 {
-                let h = 3 * f + i;
-                if of_edge[h as usize] != NONE {
-                    continue;
-                }
-                let name = finer.vertices.len() as u32;
-                of_edge[h as usize] = name;
-                let twin = self.twin(h).filter(|&t| family[t as usize / 3] != NONE);
-                if let Some(twin) = twin {
-                    of_edge[twin as usize] = name;
-                }
-                let on_border = self.border(h).is_some();
-                finer.vertices.push(LevelVertex {
-                    start: 3 * (4 * g as u32 + (i + 1) % 3) + i,
-                    valence: if on_border { 4 } else { 6 },
-                    kind: Kind::Interior,
-                    ring: RingState::Whole,
-                    origin: Origin::Edge(h.min(self.twin(h).unwrap_or(h))),
-                    corner: NONE,
-                });
-            }
-        }
-        for &f in &finer.parents {
-            let [a, b, c] = self.corners[f as usize].map(|v| of_vertex[v as usize]);
-            let [ab, bc, ca] = [0, 1, 2].map(|i| of_edge[3 * f as usize + i]);
-            finer.corners.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
-        }
-    }
-
-    /// Marks the vertices where faces are missing, and gives those without a start one.
-    fn mark_cuts(&mut self) {
-        for h in 0..self.twins.len() as u32 {
-            let from = self.from(h) as usize;
-            if self.vertices[from].start == NONE {
-                self.vertices[from].start = h;
-            }
-            if self.twins[h as usize] == NONE && self.borders[h as usize] == NONE {
-                self.vertices[from].ring = RingState::Cut;
-                let to = self.to(h) as usize;
-                self.vertices[to].ring = RingState::Cut;
-            }
-        }
-    }
-
-    /// Kinds of the new border vertices and their samples; old samples are kept.
-    fn place_samples(&mut self, coarser: &Self, surface: &LoopSurface) {
-        for v in 0..self.vertices.len() {
-            let vertex = self.vertices[v];
-            let (sample, end) = match (vertex.origin, vertex.kind) {
-                (Origin::Edge(h), _) => {
-                    let Some((s, step)) = coarser.border(h) else { continue };
-                    let Some(sample) = sample(&surface.sides[s as usize], self.level, 2 * step + 1) else {
-                        self.vertices[v].kind = Kind::Plain;
-                        continue;
-                    };
-                    (sample, SideEnd::Smooth)
-                }
-                (_, Kind::Given(old)) => {
-                    let old = coarser.given[old as usize];
-                    (old.sample, old.end)
-                }
-                _ => continue,
-            };
-            self.vertices[v].kind = Kind::Given(self.given.len() as u32);
-            self.given.push(GivenVertex { vertex: v as u32, sample, end });
-        }
-    }
-}
-
-/// A level on its way: see [`LevelMesh::quarter`].
-#[derive(Debug)]
-pub struct Quartered(LevelMesh);
-
-impl Quartered {
-    /// The level, which was made of `coarser`.
-    pub fn settle(self, coarser: &LevelMesh, surface: &LoopSurface) -> LevelMesh {
-        let mut finer = self.0;
-        finer.mark_cuts();
-        finer.place_samples(coarser, surface);
-        finer
     }
 }
 

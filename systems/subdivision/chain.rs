@@ -36,7 +36,7 @@ pub fn refine(
     coarse: &Level,
     faces: &[u32],
 ) -> (Level, Step) {
-    let mesh = coarse.mesh.refine(surface, faces);
+    let mesh = rules::refine(surface, &coarse.mesh, faces);
     let step = rules::step(surface, corners, &coarse.mesh, &mesh);
     let state = advance(surface, corners, details, &step, coarse, &mesh);
     (Level { mesh, state }, step)
@@ -103,7 +103,7 @@ impl Way {
         at: &Level,
     ) -> Option<Level> {
         let split = self.families.pop()?;
-        let local: Vec<u32> = split.iter().filter_map(|&code| at.mesh.find(code)).collect();
+        let local = at.mesh.find_all(&split);
         Some(refine(surface, corners, details, at, &local).0)
     }
 }

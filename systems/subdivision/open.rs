@@ -112,7 +112,6 @@ impl Opening {
     pub fn advance(&mut self, surface: &LoopSurface, corners: &CornerTable, details: &Details) -> Option<OpenLevel> {
         let Self { open, rings, .. } = self;
         let OpenLevel { level, levels: [base, finer, finest], steps, .. } = open;
-        let local = |at: &LevelMesh, faces: &[FaceCode]| faces.iter().filter_map(|&f| at.find(f)).collect::<Vec<_>>();
         self.next = match core::mem::take(&mut self.next) {
             Part::Rings => {
                 (*rings, open.influenced) = Rings::around(surface, *level, &self.faces, &self.watched);
@@ -131,17 +130,17 @@ impl Opening {
                 None => Part::Finer,
             },
             Part::Finer => {
-                (*finer, steps[0]) = chain::refine(surface, corners, details, base, &local(&base.mesh, &rings.rim));
+                (*finer, steps[0]) = chain::refine(surface, corners, details, base, &base.mesh.find_all(&rings.rim));
                 Part::Quarters
             }
             Part::Quarters => {
                 let quarters = region::neighbourhood(&surface.mesh, *level + 1, &region::children(&open.influenced));
-                rings.quarters = local(&finer.mesh, &quarters);
+                rings.quarters = finer.mesh.find_all(&quarters);
                 Part::FinestFaces
             }
             Part::FinestFaces => Part::FinestMesh(Box::new(finer.mesh.quarter(&rings.quarters))),
             Part::FinestMesh(quartered) => {
-                finest.mesh = quartered.settle(&finer.mesh, surface);
+                finest.mesh = rules::settle(surface, &finer.mesh, *quartered);
                 Part::FinestStep(0)
             }
             Part::FinestStep(begin) => {
@@ -206,8 +205,12 @@ impl OpenLevel {
     fn influenced_vertices(&self, finer: usize) -> Vec<bool> {
         let mesh = &self.levels[finer].mesh;
         let mut inside = vec![false; mesh.vertices.len()];
+        // Both ascend: what is passed is passed for good.
+        let mut influenced = self.influenced.iter().peekable();
         for (code, corners) in mesh.codes.iter().zip(&mesh.corners) {
-            if self.influenced.binary_search(&FaceCode(code.0 >> (2 * finer))).is_ok() {
+            let patch = FaceCode(code.0 >> (2 * finer));
+            while influenced.next_if(|&&face| face < patch).is_some() {}
+            if influenced.peek() == Some(&&patch) {
                 corners.iter().for_each(|&v| inside[v as usize] = true);
             }
         }
@@ -255,7 +258,7 @@ pub(super) fn keep(hints: &mut Vec<Option<SurfacePoint>>, i: usize, at: Option<S
 /// not where a given one meets it.
 fn movable(mesh: &LevelMesh, faces: &[FaceCode]) -> Vec<u32> {
     let mut marked = vec![false; mesh.vertices.len()];
-    for face in faces.iter().filter_map(|&f| mesh.find(f)) {
+    for face in mesh.find_all(faces) {
         mesh.corners[face as usize].iter().for_each(|&v| marked[v as usize] = true);
     }
     let free = |v: u32| match mesh.vertices[v as usize].kind {

@@ -1,10 +1,12 @@
-//! The rules of a level, made on all cores: some hundred vertices at a time.
+//! A level and its rules, made on all cores: some hundred vertices at a time.
 
 use core::ops::Range;
 
-use selvedge_components::subdivision::{CornerTable, LevelMesh, LimitRows, LoopSurface, Step};
+use selvedge_components::subdivision::{
+    BorderStep, CornerTable, LevelMesh, LimitRows, LoopSurface, Quartered, Step, border_sample,
+};
 
-use crate::parallel::map_dear_in_order;
+use crate::parallel::{map_dear_in_order, map_in_order};
 
 /// Vertices whose rules are made by one thread at a time.
 const VERTICES: usize = 512;
@@ -15,6 +17,17 @@ fn parts<R: Send>(range: Range<u32>, of: impl Fn(Range<u32>) -> R + Sync + Send)
         let begin = range.start + (i * VERTICES) as u32;
         of(begin..range.end.min(begin + VERTICES as u32))
     })
+}
+
+/// As [`LevelMesh::refine`].
+pub fn refine(surface: &LoopSurface, coarse: &LevelMesh, faces: &[u32]) -> LevelMesh {
+    settle(surface, coarse, coarse.quarter(faces))
+}
+
+/// The level that has been quartered from `coarse`.
+pub fn settle(surface: &LoopSurface, coarse: &LevelMesh, quartered: Quartered) -> LevelMesh {
+    let at = |(side, step): BorderStep| border_sample(&surface.sides[side as usize], coarse.level + 1, step);
+    quartered.settle(coarse, |steps| map_in_order(steps.len(), |i| at(steps[i])))
 }
 
 /// The rules that lead from `coarse` to `fine`, which is a refinement of it.

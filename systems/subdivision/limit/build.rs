@@ -91,10 +91,7 @@ impl LimitBuild {
         };
         let (surface, corners) = (&*self.surface, &self.corners);
         self.finer = match core::mem::take(&mut self.finer) {
-            Finer::Nothing => {
-                let local: Vec<u32> = refined.iter().filter_map(|&code| level.mesh.find(code)).collect();
-                Finer::Mesh(level.mesh.refine(surface, &local))
-            }
+            Finer::Nothing => Finer::Mesh(rules::refine(surface, &level.mesh, &level.mesh.find_all(refined))),
             Finer::Mesh(mesh) => {
                 let step = rules::step(surface, corners, &level.mesh, &mesh);
                 Finer::Step(mesh, step)

@@ -285,19 +285,22 @@ impl KeptLevel {
         refined: &[FaceCode],
         unsettled: Vec<FaceCode>,
     ) -> Self {
-        let mut faces = vec![Face::Patch; level.mesh.corners.len()];
-        let mut nets = Vec::new();
-        for &code in reached {
-            let Some(face) = level.mesh.find(code) else { continue };
-            faces[face as usize] = if split.binary_search(&code).is_ok() {
+        let mesh = &level.mesh;
+        let local = mesh.find_all(reached);
+        let found = map_in_order(local.len(), |i| {
+            let code = mesh.codes[local[i] as usize];
+            if split.binary_search(&code).is_ok() {
                 let family = refined.partition_point(|&r| r < code);
-                Face::Children(4 * family as u32)
-            } else if let Some(net) = regular_net(&level.mesh, face) {
-                nets.push(net);
-                Face::Regular(nets.len() as u32 - 1)
+                (Face::Children(4 * family as u32), None)
             } else {
-                Face::Patch
-            };
+                (Face::Patch, regular_net(mesh, local[i]))
+            }
+        });
+        let mut faces = vec![Face::Patch; mesh.corners.len()];
+        let mut nets = Vec::new();
+        for (&face, (kind, net)) in local.iter().zip(found) {
+            faces[face as usize] = if net.is_some() { Face::Regular(nets.len() as u32) } else { kind };
+            nets.extend(net);
         }
         Self { level, faces, nets, unsettled }
     }

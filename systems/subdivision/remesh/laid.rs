@@ -15,7 +15,7 @@ use super::remove::{Cage, Place, Remains, Trouble};
 use super::settle::Settling;
 use super::track::Near;
 use super::{Cut, RemeshOptions, Work, crossed, manifold, sides};
-use crate::parallel::for_each;
+use crate::parallel::{for_each, map_dear_in_order};
 
 /// The shape below which a triangle of a strip is a sliver: half of what the smallest angle allowed
 /// between curves leaves at the tip of a wedge. A finer cage may do better.
@@ -72,21 +72,21 @@ pub(super) fn lay(
     };
     let stays = |f: usize| plan.stays.stays(adapted.sources[f].middle());
     let remains = cage.cut(&crossed(&adapted, track, &leaves), &stays)?;
-    let mut strips = Vec::with_capacity(plan.contours.len());
-    for (cut, rim) in remains.loops.iter().enumerate() {
-        let strip = attach::attach(track, cut as u32, rim, |v| (limit[v as usize], cage.normal(v)));
-        let contour = &plan.contours[cut];
-        let seated = |mut strip| {
-            let seated = other::seat(&mut strip, contour, &plan.given[cut], cuts, |v| limit[v as usize]);
-            seated.map(|()| strip).ok_or_else(|| track.place(cut as u32, 0.0))
-        };
-        strips.push(strip.and_then(seated).map_err(|near| {
+    let strips = map_dear_in_order(remains.loops.len(), |c| {
+        let rim = &remains.loops[c];
+        let mut strip = attach::attach(track, c as u32, rim, |v| (limit[v as usize], cage.normal(v)))?;
+        let seated = other::seat(&mut strip, &plan.contours[c], &plan.given[c], cuts, |v| limit[v as usize]);
+        seated.map(|()| strip).ok_or_else(|| track.place(c as u32, 0.0))
+    });
+    let strips = strips.into_iter().zip(&remains.loops).map(|(strip, rim)| {
+        strip.map_err(|near| {
             let away = |v: &&u32| limit[**v as usize].distance_squared(track.position(near));
             let nearest = rim.vertices.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
             let place = cage.place(nearest.copied().unwrap_or(0), near);
             Trouble::TooCoarse { what: "too coarse between two corners", places: vec![place] }
-        })?);
-    }
+        })
+    });
+    let strips = strips.collect::<Result<Vec<_>, _>>()?;
     let strung = strips.iter().map(|strip| string(strip, &limit, options)).collect();
     let relaxed = vec![Relaxed::default(); strips.len()];
     let normals = strips.iter().map(|strip| strip.rim.iter().map(|&v| cage.normal(v)).collect()).collect();
@@ -119,10 +119,12 @@ impl Laid {
 
     /// Notes how well the knots stand, before (0) or after (1) they are relaxed.
     pub fn judge(&mut self, plan: &Arrangement, when: usize) {
-        for (s, contour) in plan.contours.iter().enumerate() {
-            let (residual, worst) = (self.strung[s].residual(&*contour.curve, contour.heading), self.worst(s, contour));
-            self.relaxed[s].residual[when] = residual;
-            self.relaxed[s].worst_shape[when] = worst;
+        let judged = map_dear_in_order(plan.contours.len(), |s| {
+            let contour = &plan.contours[s];
+            (self.strung[s].residual(&*contour.curve, contour.heading), self.worst(s, contour))
+        });
+        for (relaxed, (residual, worst)) in self.relaxed.iter_mut().zip(judged) {
+            (relaxed.residual[when], relaxed.worst_shape[when]) = (residual, worst);
         }
     }
 

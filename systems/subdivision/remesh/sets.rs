@@ -14,6 +14,7 @@ use super::Cut;
 use super::stretch::{Stretch, middle, number};
 use super::track::Track;
 use super::winding::{Beyond, Ways, Winding};
+use crate::parallel::map_dear_in_order;
 
 /// The sets of curves on a surface.
 pub(super) struct Sets<'a> {
@@ -121,17 +122,23 @@ impl<'a> Sets<'a> {
             *lowest = (*lowest).min(left - 1);
         }
         let mut wanted = vec![0; numbers.highest().len()];
-        for &name in self.names.iter().filter(|&&name| name != set) {
-            self.add_highest(name, stretches, &mut wanted)?;
-        }
+        let others: Vec<u32> = self.names.iter().copied().filter(|&name| name != set).collect();
+        self.add_highest(&others, stretches, &mut wanted)?;
         Ok((Stays { numbers, wanted, turned: Some((turned, lowest)) }, lefts))
     }
 
-    fn add_highest(&self, name: u32, stretches: &[Stretch], sums: &mut Vec<i32>) -> Result<(), RemeshError> {
-        let is_own = |set| set == name;
-        let (own, _) = self.noted(self.winding(self.ways(is_own), is_own)?, stretches, is_own);
-        sums.resize(own.highest().len(), 0);
-        sums.iter_mut().zip(own.highest()).for_each(|(sum, highest)| *sum += highest);
+    /// Adds the highest numbers of each of these sets by itself.
+    fn add_highest(&self, names: &[u32], stretches: &[Stretch], sums: &mut Vec<i32>) -> Result<(), RemeshError> {
+        let all = map_dear_in_order(names.len(), |i| {
+            let is_own = |set| set == names[i];
+            let (own, _) = self.noted(self.winding(self.ways(is_own), is_own)?, stretches, is_own);
+            Ok(own.highest().to_vec())
+        });
+        for highest in all {
+            let highest = highest?;
+            sums.resize(highest.len(), 0);
+            sums.iter_mut().zip(highest).for_each(|(sum, highest)| *sum += highest);
+        }
         Ok(())
     }
 
@@ -144,7 +151,7 @@ impl<'a> Sets<'a> {
         let names = &self.names[..count];
         let mut wanted: Vec<i32> = Vec::new();
         if let [_, _, ..] = names {
-            names.iter().try_for_each(|&name| self.add_highest(name, stretches, &mut wanted))?;
+            self.add_highest(names, stretches, &mut wanted)?;
         }
         let is_among = |set| names.binary_search(&set).is_ok();
         let (numbers, lefts) = self.noted(self.winding(ways, is_among)?, stretches, is_among);

@@ -410,10 +410,14 @@ pub fn spread(
     let around = Around::new(positions.len(), triangles);
     let mut near: Vec<Option<Near>> = vec![None; positions.len()];
     let mut queue = VecDeque::new();
-    let offer = |near: &mut Vec<Option<Near>>, queue: &mut VecDeque<u32>, v: u32, segment: u32| {
-        if !positions[v as usize].is_finite() {
+    // What each vertex was offered last: neighbours have the same to offer, and so have all faces of one.
+    let mut offered = vec![NONE; positions.len()];
+    let mut offer = |near: &mut Vec<Option<Near>>, queue: &mut VecDeque<u32>, v: u32, segment: u32| {
+        let is_known = offered[v as usize] == segment || near[v as usize].is_some_and(|own| own.segment == segment);
+        if is_known || !positions[v as usize].is_finite() {
             return;
         }
+        offered[v as usize] = segment;
         let found = track.nearest(segment, positions[v as usize]);
         if counts(found.segment) && near[v as usize].is_none_or(|old| found.distance < old.distance) {
             near[v as usize] = Some(found);
