@@ -109,7 +109,9 @@ impl Bvh {
             })
             .collect();
         let mut spent = Duration::ZERO;
-        let tree = build_bvh2(&rounded, BvhBuildParams::fast_build(), &mut spent);
+        // What is asked of a primitive costs more than its box does: each has a leaf of its own.
+        let parameters = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::fast_build() };
+        let tree = build_bvh2(&rounded, parameters, &mut spent);
         let nodes = tree.nodes.iter().map(|node| Node {
             min: node.aabb.min.to_array(),
             max: node.aabb.max.to_array(),
@@ -295,34 +297,40 @@ impl Bounds {
 
 struct Line {
     origin: DVec3,
-    /// One over the direction's coordinates; infinite where the line runs across an axis.
+    /// One over the direction's coordinates.
     inverse: DVec3,
+    /// Along which axes the line does not run at all.
+    across: [bool; 3],
 }
 
 impl Line {
     fn new(origin: DVec3, direction: DVec3) -> Self {
-        Self { origin, inverse: direction.recip() }
+        let inverse = direction.recip();
+        Self { origin, inverse, across: inverse.to_array().map(f64::is_infinite) }
     }
 
     /// Where the line enters `bounds` within `[begin, end]`; infinity where it does not.
     #[inline]
     fn entry(&self, bounds: &Bounds, begin: f64, end: f64) -> f64 {
-        let (mut enter, mut leave) = (begin, end);
+        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
             let (o, inverse) = (self.origin[axis], self.inverse[axis]);
             let (low, high) = (bounds.min[axis], bounds.max[axis]);
-            if inverse.is_infinite() {
+            if self.across[axis] {
                 if o < low || o > high {
                     return f64::INFINITY;
                 }
                 continue;
             }
-            let (a, b) = ((low - o) * inverse, (high - o) * inverse);
-            // Three roundings each, taken outward.
-            let slack = 4.0 * f64::EPSILON;
-            enter = enter.max(a.min(b) - slack * a.min(b).abs());
-            leave = leave.min(a.max(b) + slack * a.max(b).abs());
+            let (near, far) = if inverse < 0.0 { (high, low) } else { (low, high) };
+            let (near, far) = ((near - o) * inverse, (far - o) * inverse);
+            // Plain comparisons: what is no number cuts nothing off.
+            enter = if near > enter { near } else { enter };
+            leave = if far < leave { far } else { leave };
         }
+        // Three roundings each, taken outward.
+        let slack = 4.0 * f64::EPSILON;
+        let (enter, leave) = (begin.max(enter - slack * enter.abs()), end.min(leave + slack * leave.abs()));
         if enter <= leave { enter } else { f64::INFINITY }
     }
 }
