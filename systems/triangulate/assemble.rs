@@ -143,10 +143,12 @@ impl Assembly {
         beyond.into_iter().map(|t| Facet::new(self.corners(t))).collect()
     }
 
-    /// The unit normal of a triangle; zero if it has no area.
-    pub fn normal(&self, triangle: u32) -> DVec3 {
-        let [a, b, c] = self.corners(triangle);
-        (b - a).cross(c - a).normalize_or_zero()
+    /// The unit normals of all triangles; zero for one that has no area.
+    pub fn normals(&self) -> Vec<DVec3> {
+        map_in_order(self.triangle_count(), |t| {
+            let [a, b, c] = self.corners(t as u32);
+            (b - a).cross(c - a).normalize_or_zero()
+        })
     }
 
     /// Which of the leaves stand on a root face.

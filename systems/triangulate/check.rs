@@ -17,7 +17,7 @@ use super::assemble::{Around, Assembly, Leaf, LeafKey};
 use super::inner::Inner;
 use super::measure::Facet;
 use super::sample::{Farthest, Grid, Piece, Place, Sampled, borders};
-use crate::parallel::{map_dear_in_order, map_in_order};
+use crate::parallel::map_dear_in_order;
 use crate::subdivision::limit::Nest;
 
 /// Of leaves that must be sampled anyway, distances up to this part of the chord are not told apart: what
@@ -62,8 +62,8 @@ pub struct Known {
     /// What was measured by their own triangles alone: it holds in the next forest, too, for those that are
     /// still there and cut as they were.
     alone: HashMap<LeafKey, Farthest>,
-    /// How they stand off, of those in root faces that are no polynomials: by root face, ascending by level
-    /// and code.
+    /// How they stand off, of those in root faces that are no polynomials: by root face, along the paths of
+    /// quarters.
     stand_off: HashMap<FaceId, Vec<(Place, Deviation)>>,
 }
 
@@ -73,14 +73,14 @@ impl Known {
         if !stand_off.is_empty() {
             let all = self.stand_off.entry(root).or_default();
             all.extend(stand_off);
-            all.sort_unstable_by_key(|(place, _)| place.key());
+            all.sort_unstable_by_key(|(place, _)| place.along_paths());
         }
     }
 
     /// How a leaf of a root face stands off, if that is known.
     fn stand_off(&self, place: Place) -> Option<&Deviation> {
         let all = self.stand_off.get(&place.root())?;
-        all.binary_search_by_key(&place.key(), |(place, _)| place.key()).ok().map(|k| &all[k].1)
+        all.binary_search_by_key(&place.along_paths(), |(place, _)| place.along_paths()).ok().map(|k| &all[k].1)
     }
 }
 
@@ -102,12 +102,15 @@ struct Checker<'a> {
     assembly: &'a Assembly,
     chord: f64,
     around: Around,
+    /// The unit normals of the triangles; zero without an area.
+    normals: Vec<DVec3>,
     weights: Vec<[f64; 3]>,
 }
 
 impl<'a> Checker<'a> {
     fn new(subject: &'a Subject, assembly: &'a Assembly, chord: f64) -> Self {
-        Self { subject, assembly, chord, around: assembly.around(), weights: Grid::Ninths.weights() }
+        let (around, normals) = (assembly.around(), assembly.normals());
+        Self { subject, assembly, chord, around, normals, weights: Grid::Ninths.weights() }
     }
 
     /// Measures the leaves that are `due`, ascending, unless they are `known`. Distances up to `enough` are not
@@ -182,56 +185,57 @@ impl<'a> Checker<'a> {
     /// By leaf: no point of it is farther from the triangles than this, or the other way round; infinite where
     /// details hide between the points that would tell.
     fn bounds(&self, known: &Known) -> Vec<f64> {
-        let faces = map_dear_in_order(self.subject.surface.mesh.face_count(), |f| self.straight(f, known));
-        let mut bounds = Vec::with_capacity(self.assembly.leaves.len());
-        let mut off_rim =
-            vec![0.0_f64; if faces.iter().any(|f| !f.rims.is_empty()) { self.assembly.vertex_count() } else { 0 }];
-        let mut open = Vec::new();
-        for face in faces {
-            bounds.extend(face.bounds);
-            open.extend(face.beyond);
-            for (ends, off) in face.rims {
-                ends.iter().for_each(|&v| off_rim[v as usize] = off_rim[v as usize].max(off));
-            }
-        }
-        let slid = map_in_order(open.len(), |k| self.sliding_leaf(open[k].0, &open[k].1, &off_rim));
-        for ((i, _), slid) in open.iter().zip(slid) {
-            bounds[*i] = slid.min(bounds[*i]);
-        }
-        bounds
+        let off_rim = self.off_rims(known);
+        let faces = self.subject.surface.mesh.face_count();
+        map_dear_in_order(faces, |f| self.face_bounds(f, known, &off_rim)).into_iter().flatten().collect()
     }
 
-    /// The same by distances to the places with the same weights, for the leaves of a root face.
-    fn straight(&self, face: usize, known: &Known) -> Straight {
-        let mut nest = Nest::new(&self.subject.limit, FaceId::new(face));
-        let mut found = Straight::default();
+    /// By vertex, how far the border is off the edges of leaves about it; empty if none is off.
+    fn off_rims(&self, known: &Known) -> Vec<f64> {
         let mesh = &*self.subject.surface.mesh;
-        let on_border = (0..3).any(|c| mesh.twin(HalfedgeId::of(FaceId::new(face), c)).is_none());
-        for i in self.assembly.leaves_of(face) {
-            let leaf = &self.assembly.leaves[i];
-            let deviation = self.deviation(&mut nest, leaf.place, known);
-            if on_border {
+        let root = |f: usize| FaceId::new(f);
+        let on_border = |f: &usize| (0..3).any(|c| mesh.twin(HalfedgeId::of(root(*f), c)).is_none());
+        let faces: Vec<usize> = (0..mesh.face_count()).filter(on_border).collect();
+        let rims = map_dear_in_order(faces.len(), |k| {
+            let mut nest = Nest::new(&self.subject.limit, root(faces[k]));
+            let mut rims = Vec::new();
+            for leaf in &self.assembly.leaves[self.assembly.leaves_of(faces[k])] {
                 let borders = borders(self.subject, leaf.place);
-                let off = |e: usize| deviation.map_or(f64::INFINITY, |deviation| self.off_rim(leaf, &deviation, e));
-                found.rims.extend((0..3).filter(|&e| borders[e]).map(|e| (leaf.edges()[e], off(e))));
+                if borders.contains(&true) {
+                    let deviation = self.deviation(&mut nest, leaf.place, known);
+                    let off = |e: usize| deviation.map_or(f64::INFINITY, |deviation| self.off_rim(leaf, &deviation, e));
+                    rims.extend((0..3).filter(|&e| borders[e]).map(|e| (leaf.edges()[e], off(e))));
+                }
             }
-            let Some(deviation) = deviation else {
-                found.bounds.push(f64::INFINITY);
-                continue;
-            };
-            let bound = if self.assembly.triangles_of(leaf).len() == 1 {
+            rims
+        });
+        let mut off_rim = vec![0.0_f64; if faces.is_empty() { 0 } else { self.assembly.vertex_count() }];
+        for (ends, off) in rims.into_iter().flatten() {
+            ends.iter().for_each(|&v| off_rim[v as usize] = off_rim[v as usize].max(off));
+        }
+        off_rim
+    }
+
+    /// The bounds of the leaves of a root face: their distances to the places with the same weights, or, where
+    /// these are beyond the chord or not far below it, so that the leaf may be the farthest, what heights say.
+    fn face_bounds(&self, face: usize, known: &Known, off_rim: &[f64]) -> Vec<f64> {
+        let mut nest = Nest::new(&self.subject.limit, FaceId::new(face));
+        let mut bound = |leaf: &Leaf| {
+            let Some(deviation) = self.deviation(&mut nest, leaf.place, known) else { return f64::INFINITY };
+            let straight = if self.assembly.triangles_of(leaf).len() == 1 {
                 greater(0.0, deviation.greatest())
             } else {
                 let pieces = self.assembly.pieces(leaf);
                 let straight = pieces.iter().map(|piece| deviation.of_piece(piece.map(|(_, w)| w)).greatest());
                 straight.fold(0.0, greater)
             };
-            if bound > SHARP * self.chord {
-                found.beyond.push((i, deviation));
+            if straight > SHARP * self.chord {
+                straight.min(self.sliding_leaf(leaf, &deviation, off_rim))
+            } else {
+                straight
             }
-            found.bounds.push(bound);
-        }
-        found
+        };
+        self.assembly.leaves[self.assembly.leaves_of(face)].iter().map(&mut bound).collect()
     }
 
     /// How far the border over edge `edge` of a leaf is off it, across it in the leaf's plane.
@@ -242,9 +246,8 @@ impl<'a> Checker<'a> {
         if across == DVec3::ZERO { f64::INFINITY } else { deviation.off_edge(edge, across) }
     }
 
-    /// The same for leaf `i`, where the surface slides along it.
-    fn sliding_leaf(&self, i: usize, deviation: &Deviation, off_rim: &[f64]) -> f64 {
-        let leaf = &self.assembly.leaves[i];
+    /// The bound of a leaf that the surface slides along.
+    fn sliding_leaf(&self, leaf: &Leaf, deviation: &Deviation, off_rim: &[f64]) -> f64 {
         let mut triangles = self.assembly.triangles_of(leaf);
         if triangles.len() == 1 {
             return greater(0.0, triangles.next().map_or(f64::INFINITY, |t| self.sliding(deviation, t, off_rim)));
@@ -280,20 +283,21 @@ impl<'a> Checker<'a> {
     /// do its feet, which leave none of the triangle out. Over a border there is no neighbour: what is beyond
     /// it lies between its edges and the border itself, which is off them by `off_rim` about each vertex.
     fn sliding(&self, deviation: &Deviation, t: u32, off_rim: &[f64]) -> f64 {
-        let (corners, normal) = (self.assembly.corners(t), self.assembly.normal(t));
+        let (corners, normal) = (self.assembly.corners(t), self.normals[t as usize]);
         if normal == DVec3::ZERO {
             return f64::INFINITY;
         }
-        let (mut bend, mut across) = (0.0_f64, 0.0_f64);
+        let (mut squared, mut across) = (0.0_f64, 0.0_f64);
         for v in self.assembly.triangle(t) {
             across = across.max(off_rim.get(v as usize).copied().unwrap_or(0.0));
             for &other in self.around.of(v) {
-                let other = self.assembly.normal(other);
+                let other = self.normals[other as usize];
                 // A triangle that faces away is no neighbour to slide to; nor is one without a normal.
                 let turned = normal.dot(other) <= 0.0;
-                bend = bend.max(if turned { f64::INFINITY } else { normal.cross(other).length() });
+                squared = squared.max(if turned { f64::INFINITY } else { normal.cross(other).length_squared() });
             }
         }
+        let bend = squared.sqrt();
         let high = (0..3).map(|e| {
             let [a, b, c] = [0, 1, 2].map(|k| corners[(e + k) % 3]);
             let outward = (b - a).cross(normal).normalize_or_zero();
@@ -307,14 +311,4 @@ impl<'a> Checker<'a> {
 /// The greater bound; what is no number bounds nothing.
 fn greater(a: f64, b: f64) -> f64 {
     if b.is_nan() { f64::INFINITY } else { a.max(b) }
-}
-
-/// What is found of the leaves of one root face.
-#[derive(Default)]
-struct Straight {
-    bounds: Vec<f64>,
-    /// Those beyond the chord or not far below it, which may be the farthest, and how they stand off.
-    beyond: Vec<(usize, Deviation)>,
-    /// The ends of edges on borders, and how far the border is off them.
-    rims: Vec<([u32; 2], f64)>,
 }

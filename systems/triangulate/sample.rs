@@ -72,9 +72,12 @@ pub struct Place {
 }
 
 impl Place {
-    /// What places are told apart by.
-    pub fn key(&self) -> (u32, u64) {
-        (self.level, self.code.0)
+    /// What tells it from others in its root face: it ascends along the paths of quarters, the order in which
+    /// they are come to, and a face comes before its quarters.
+    pub fn along_paths(&self) -> (u64, u32) {
+        // Two bits for each level, the first on top.
+        let path = if self.level == 0 { 0 } else { self.code.0 << (64 - 2 * self.level) };
+        (path, self.level)
     }
 
     /// The root face that it lies in.
