@@ -9,6 +9,18 @@ use crate::mesh::{Connectivity, EdgeId, FaceId, HalfedgeId, VertexId};
 /// bits of path leave a root mesh of 16 faces. [`FaceCode::finest`] tells what a larger one allows.
 pub const FINEST_LEVEL: u32 = 30;
 
+/// The corners of a face's quarters, in the order of [`FaceCode::child`]: `corners` are the face's own, `middles`
+/// those of its edges, from a corner to the next.
+///
+/// ```
+/// # use selvedge_components::subdivision::quartered;
+/// assert_eq!(quartered(["a", "b", "c"], ["ab", "bc", "ca"])[1], ["ab", "b", "bc"]);
+/// ```
+#[inline]
+pub fn quartered<T: Copy>([a, b, c]: [T; 3], [ab, bc, ca]: [T; 3]) -> [[T; 3]; 4] {
+    [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+}
+
 /// A vertex of the `level`-th regular subdivision of a root mesh.
 ///
 /// Each vertex has exactly one address per level, whatever face it is reached from; addresses
@@ -91,6 +103,7 @@ impl FaceCode {
             let [a, b, c] = corners.map(|(i, j): (u32, u32)| (2 * i, 2 * j));
             let middle = |p: (u32, u32), q: (u32, u32)| (u32::midpoint(p.0, q.0), u32::midpoint(p.1, q.1));
             let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            // One of `quartered`; to make all of them for one is slower.
             corners = match self.0 >> (2 * l) & 3 {
                 0 => [a, ab, ca],
                 1 => [ab, b, bc],

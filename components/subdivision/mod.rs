@@ -16,7 +16,7 @@ pub mod remesh;
 mod stencil;
 mod surface;
 
-pub use address::{Address, FINEST_LEVEL, FaceCode};
+pub use address::{Address, FINEST_LEVEL, FaceCode, quartered};
 pub use corner::{CornerTable, Pull, SpecialCorner, interior_angle};
 pub use deviation::{Deviation, QuarterPoints};
 pub use entities::{

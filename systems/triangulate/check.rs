@@ -77,10 +77,27 @@ impl Known {
         }
     }
 
-    /// How a leaf of a root face stands off, if that is known.
-    fn stand_off(&self, place: Place) -> Option<&Deviation> {
-        let all = self.stand_off.get(&place.root())?;
-        all.binary_search_by_key(&place.along_paths(), |(place, _)| place.along_paths()).ok().map(|k| &all[k].1)
+    /// How leaves of a root face stand off, as far as that is known.
+    fn stand_off(&self, root: FaceId) -> StandOff<'_> {
+        StandOff(self.stand_off.get(&root).map_or(&[], Vec::as_slice))
+    }
+}
+
+/// How some leaves of a root face stand off, along the paths of quarters.
+struct StandOff<'a>(&'a [(Place, Deviation)]);
+
+impl StandOff<'_> {
+    /// How this leaf does, which comes after all that were asked for before.
+    fn of(&mut self, leaf: Place) -> Option<Deviation> {
+        while let [(place, deviation), rest @ ..] = self.0
+            && place.along_paths() <= leaf.along_paths()
+        {
+            self.0 = rest;
+            if *place == leaf {
+                return Some(*deviation);
+            }
+        }
+        None
     }
 }
 
@@ -198,11 +215,12 @@ impl<'a> Checker<'a> {
         let faces: Vec<usize> = (0..mesh.face_count()).filter(on_border).collect();
         let rims = map_dear_in_order(faces.len(), |k| {
             let mut nest = Nest::new(&self.subject.limit, root(faces[k]));
+            let mut known = known.stand_off(root(faces[k]));
             let mut rims = Vec::new();
             for leaf in &self.assembly.leaves[self.assembly.leaves_of(faces[k])] {
                 let borders = borders(self.subject, leaf.place);
                 if borders.contains(&true) {
-                    let deviation = self.deviation(&mut nest, leaf.place, known);
+                    let deviation = self.deviation(&mut nest, leaf.place, &mut known);
                     let off = |e: usize| deviation.map_or(f64::INFINITY, |deviation| self.off_rim(leaf, &deviation, e));
                     rims.extend((0..3).filter(|&e| borders[e]).map(|e| (leaf.edges()[e], off(e))));
                 }
@@ -219,9 +237,10 @@ impl<'a> Checker<'a> {
     /// The bounds of the leaves of a root face: their distances to the places with the same weights, or, where
     /// these are beyond the chord or not far below it, so that the leaf may be the farthest, what heights say.
     fn face_bounds(&self, face: usize, known: &Known, off_rim: &[f64]) -> Vec<f64> {
-        let mut nest = Nest::new(&self.subject.limit, FaceId::new(face));
+        let root = FaceId::new(face);
+        let (mut nest, mut known) = (Nest::new(&self.subject.limit, root), known.stand_off(root));
         let mut bound = |leaf: &Leaf| {
-            let Some(deviation) = self.deviation(&mut nest, leaf.place, known) else { return f64::INFINITY };
+            let Some(deviation) = self.deviation(&mut nest, leaf.place, &mut known) else { return f64::INFINITY };
             let straight = if self.assembly.triangles_of(leaf).len() == 1 {
                 greater(0.0, deviation.greatest())
             } else {
@@ -260,10 +279,8 @@ impl<'a> Checker<'a> {
     }
 
     /// How a leaf stands off the triangle of its corners; `None` where details hide.
-    fn deviation(&self, nest: &mut Nest<'a>, place: Place, known: &Known) -> Option<Deviation> {
-        if nest.quartic(nest.root()).is_none()
-            && let Some(&deviation) = known.stand_off(place)
-        {
+    fn deviation(&self, nest: &mut Nest<'a>, place: Place, known: &mut StandOff<'_>) -> Option<Deviation> {
+        if let Some(deviation) = known.of(place) {
             return Some(deviation);
         }
         let spot = nest.spot(place.level, place.code);

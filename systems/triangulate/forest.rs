@@ -1,7 +1,7 @@
 //! The forest of quartered faces, kept so that neighbouring leaves differ by one level at most.
 
 use selvedge_components::mesh::{Connectivity, FaceId};
-use selvedge_components::subdivision::FaceCode;
+use selvedge_components::subdivision::{FaceCode, quartered};
 
 use super::reach::union;
 use crate::subdivision::region;
@@ -35,8 +35,7 @@ impl Tile {
     }
 
     fn children(&self) -> [Self; 4] {
-        let ([a, b, c], [ab, bc, ca]) = (self.corners, self.middles());
-        let corners = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+        let corners = quartered(self.corners, self.middles());
         core::array::from_fn(|i| Self { level: self.level + 1, code: self.code.child(i), corners: corners[i] })
     }
 }

@@ -10,7 +10,7 @@ use core::sync::atomic::{AtomicUsize, Ordering};
 use glam::DVec3;
 use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::boxspline::Quartic;
-use selvedge_components::subdivision::{Deviation, FaceCode};
+use selvedge_components::subdivision::{Deviation, FaceCode, quartered};
 
 use super::check::{Known, is_beyond};
 use super::forest::Forest;
@@ -19,7 +19,7 @@ use super::measure::{Facet, Over};
 use super::sample::{Farthest, Grid, Place, Sampled, borders, corners_of, farthest_of};
 use super::{Subject, TriangulateError, TriangulateOptions, within_budget};
 use crate::parallel::map_dear_in_order;
-use crate::subdivision::limit::Nest;
+use crate::subdivision::limit::{Nest, Spot};
 
 /// A leaf that is sampled passes where fifteen points find it closer than this part of the chord.
 ///
@@ -81,6 +81,13 @@ struct Seen {
     deeper: bool,
 }
 
+/// A face within one polynomial.
+struct Within {
+    place: Place,
+    inner: Inner,
+    corners: [DVec3; 3],
+}
+
 /// What does not change from face to face.
 struct Growth<'a> {
     subject: &'a Subject,
@@ -107,42 +114,74 @@ impl Growth<'_> {
         if place.level == self.options.last_level {
             return Ok(());
         }
-        let Seen { far, deeper } = self.look_at(nest, place, deep, &mut found.stand_off)?;
-        // Past the budget nothing comes of it: however many are counted by then, too many is too many.
-        if far && within_budget(self.leaves.fetch_add(3, Ordering::Relaxed), self.options).is_ok() {
-            found.too_far.push(place);
-            for child in 0..4 {
-                let child = Place { level: place.level + 1, code: place.code.child(child) };
+        let spot = nest.spot(place.level, place.code);
+        if let Some(quartic) = nest.quartic(spot) {
+            let (quartic, inner) = (*quartic, Inner::new(place, spot.level));
+            let corners = inner.corners().map(|[s, t]| quartic.position(s, t));
+            // In a root face that is one polynomial it is as soon found again as looked up.
+            let is_kept = spot != nest.root();
+            return self.descend_within(&quartic, nest, Within { place, inner, corners }, is_kept, found);
+        }
+        let Seen { far, deeper } = self.look_at(nest, spot, place, deep, &mut found.stand_off)?;
+        if far && self.quarter(place, found) {
+            for child in place.quarters() {
                 self.descend(nest, child, deeper, found)?;
             }
         }
         Ok(())
     }
 
-    /// Looks at a face. How it stands off goes to `stand_off`, if it is not to be quartered and that is not as
-    /// soon found again.
+    /// Goes into a face within one polynomial; how leaves stand off is noted where it is to be kept.
+    fn descend_within(
+        &self,
+        quartic: &Quartic,
+        nest: &mut Nest,
+        face: Within,
+        is_kept: bool,
+        found: &mut Found,
+    ) -> Result<(), TriangulateError> {
+        let Within { place, inner, corners } = face;
+        if place.level == self.options.last_level {
+            return Ok(());
+        }
+        let deviation = inner.deviation(quartic);
+        let far = match judge(corners, &deviation, self.chord) {
+            Verdict::Keeps => false,
+            Verdict::TooFar => true,
+            Verdict::Unsure => self.is_sampled_too_far(nest, place)?,
+        };
+        if far && self.quarter(place, found) {
+            let quarters = inner.quarters();
+            // The one in the middle has its corners in the middles of the edges.
+            let middles = quarters[3].corners().map(|[s, t]| quartic.position(s, t));
+            for ((place, inner), corners) in place.quarters().into_iter().zip(quarters).zip(quartered(corners, middles))
+            {
+                self.descend_within(quartic, nest, Within { place, inner, corners }, is_kept, found)?;
+            }
+        } else if !far && is_kept {
+            found.stand_off.push((place, deviation));
+        }
+        Ok(())
+    }
+
+    /// Notes that a face is to be quartered, unless that passes the budget: nothing comes of it then, however
+    /// many are counted.
+    fn quarter(&self, place: Place, found: &mut Found) -> bool {
+        let is_within = within_budget(self.leaves.fetch_add(3, Ordering::Relaxed), self.options).is_ok();
+        found.too_far.extend(is_within.then_some(place));
+        is_within
+    }
+
+    /// Looks at a face that is no polynomial. How it stands off goes to `stand_off`, if it is not to be
+    /// quartered.
     fn look_at(
         &self,
         nest: &mut Nest,
+        spot: Spot,
         place: Place,
         deep: bool,
         stand_off: &mut Vec<(Place, Deviation)>,
     ) -> Result<Seen, TriangulateError> {
-        let spot = nest.spot(place.level, place.code);
-        if let Some(quartic) = nest.quartic(spot) {
-            let inner = Inner::new(place, spot.level);
-            let deviation = inner.deviation(quartic);
-            let far = match judge(quartic, inner, &deviation, self.chord) {
-                Verdict::Keeps => false,
-                Verdict::TooFar => true,
-                Verdict::Unsure => self.is_sampled_too_far(nest, place)?,
-            };
-            // In a root face that is one polynomial it is as soon found again as looked up.
-            if !far && spot != nest.root() {
-                stand_off.push((place, deviation));
-            }
-            return Ok(Seen { far, deeper: true });
-        }
         if self.subject.reach.moves_below(place.level, place.code) {
             // Fifteen points say nothing about details between them.
             return Ok(Seen { far: self.is_sampled_too_far(nest, place)?, deeper: true });
@@ -184,8 +223,7 @@ enum Verdict {
 
 /// A face keeps the chord where heights over its triangle do: what slides beyond is over a neighbour. Without
 /// a plane to be high over, distances from the points of the triangle with the same weights decide.
-fn judge(quartic: &Quartic, inner: Inner, deviation: &Deviation, chord: f64) -> Verdict {
-    let [a, b, c] = inner.corners().map(|[s, t]| quartic.position(s, t));
+fn judge([a, b, c]: [DVec3; 3], deviation: &Deviation, chord: f64) -> Verdict {
     let normal = (b - a).cross(c - a).normalize_or_zero();
     if normal == DVec3::ZERO {
         if deviation.greatest() <= chord { Verdict::Keeps } else { Verdict::Unsure }

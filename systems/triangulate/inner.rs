@@ -1,7 +1,7 @@
 //! A face within the domain of one polynomial.
 
 use selvedge_components::subdivision::boxspline::Quartic;
-use selvedge_components::subdivision::{Deviation, FaceCode};
+use selvedge_components::subdivision::{Deviation, FaceCode, quartered};
 
 use super::sample::Place;
 
@@ -28,6 +28,14 @@ impl Inner {
         self.corners.map(|(i, j)| [step * f64::from(i), step * f64::from(j)])
     }
 
+    /// Its quarters.
+    pub fn quarters(&self) -> [Self; 4] {
+        let sum = |p: (u32, u32), q: (u32, u32)| (p.0 + q.0, p.1 + q.1);
+        let [a, b, c] = self.corners;
+        quartered([sum(a, a), sum(b, b), sum(c, c)], [sum(a, b), sum(b, c), sum(c, a)])
+            .map(|corners| Self { depth: self.depth + 1, corners })
+    }
+
     fn step(&self) -> f64 {
         0.5_f64.powi(self.depth as i32)
     }
@@ -48,5 +56,25 @@ impl Inner {
         let [from, to] = [base, (base + 1) % 3].map(|c| self.corners[c]);
         let size = if to.0 > from.0 { self.step() } else { -self.step() };
         Deviation::new(quartic, self.corners()[base], size).turned(base)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a walk down comes to is what the codes say.
+    #[test]
+    fn quarters_are_those_of_the_codes() {
+        let root = Place { level: 1, code: FaceCode(5) };
+        let mut faces = vec![(root, Inner::new(root, 1))];
+        for _ in 0..4 {
+            let quarters = |(place, inner): &(Place, Inner)| {
+                let (Place { level, code }, inner) = (*place, inner.quarters());
+                [0, 1, 2, 3].map(|k| (Place { level: level + 1, code: code.child(k) }, inner[k]))
+            };
+            faces = faces.iter().flat_map(quarters).collect();
+            assert!(faces.iter().all(|(place, inner)| *inner == Inner::new(*place, 1)));
+        }
     }
 }

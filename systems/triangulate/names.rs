@@ -14,6 +14,8 @@ pub struct Plot {
     edges: [Vec<u32>; 3],
     /// The vertices inside it, ascending.
     inside: Vec<Steps>,
+    /// By steps towards the second corner: where they begin in `inside`. Empty where there are few.
+    rows: Vec<u32>,
 }
 
 impl Plot {
@@ -36,7 +38,26 @@ impl Plot {
         plot.inside.sort_unstable();
         // Two quartered neighbours have the same middle.
         plot.inside.dedup();
+        // For each vertex no more than a few rows.
+        if n as usize <= 4 * plot.inside.len() {
+            let begin = |i: u32| plot.inside.partition_point(|at| at.0 < i) as u32;
+            plot.rows = (0..=n).map(begin).collect();
+        }
         plot
+    }
+
+    /// The place of a vertex among those inside.
+    fn place(&self, n: u32, at: Steps) -> Option<usize> {
+        let Some(&[begin, end]) = self.rows.get(at.0 as usize..at.0 as usize + 2) else {
+            return self.inside.binary_search(&at).ok();
+        };
+        let (begin, row) = (begin as usize, &self.inside[begin as usize..end as usize]);
+        // Most rows are filled evenly, and this is the place in one that is.
+        let likely = row.len() * at.1 as usize / (n - at.0) as usize;
+        if row.get(likely) == Some(&at) {
+            return Some(begin + likely);
+        }
+        row.binary_search(&at).ok().map(|place| begin + place)
     }
 }
 
@@ -142,7 +163,7 @@ impl<'a> Names<'a> {
     #[inline]
     pub fn find(&self, face: FaceId, at: Steps) -> Option<u32> {
         let Some((edge, along)) = edge_of(self.n, at) else {
-            let place = self.plots[face.index()].inside.binary_search(&at).ok()?;
+            let place = self.plots[face.index()].place(self.n, at)?;
             return Some(self.inside[face.index()] + place as u32);
         };
         let e = self.mesh.edge(HalfedgeId::of(face, edge));

@@ -80,6 +80,11 @@ impl Place {
         (path, self.level)
     }
 
+    /// Its quarters.
+    pub fn quarters(&self) -> [Self; 4] {
+        [0, 1, 2, 3].map(|child| Self { level: self.level + 1, code: self.code.child(child) })
+    }
+
     /// The root face that it lies in.
     pub fn root(&self) -> FaceId {
         self.code.root_face(self.level)

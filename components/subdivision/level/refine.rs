@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::{BorderEdge, GivenVertex, Kind, LevelMesh, LevelVertex, NONE, Origin, RingState, SideEnd, sample};
+use crate::subdivision::address::quartered;
 use crate::subdivision::surface::LoopSurface;
 
 impl LevelMesh {
@@ -109,9 +110,9 @@ impl LevelMesh {
             }
         }
         for &f in &finer.parents {
-            let [a, b, c] = self.corners[f as usize].map(|v| of_vertex[v as usize]);
-            let [ab, bc, ca] = [0, 1, 2].map(|i| of_edge[3 * f as usize + i]);
-            finer.corners.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+            let corners = self.corners[f as usize].map(|v| of_vertex[v as usize]);
+            let middles = [0, 1, 2].map(|i| of_edge[3 * f as usize + i]);
+            finer.corners.extend(quartered(corners, middles));
         }
         halved
     }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::boxspline::Quartic;
-use selvedge_components::subdivision::{Descent, FaceCode, Patch, PatchLattice, QuarterPoints};
+use selvedge_components::subdivision::{Descent, FaceCode, Patch, PatchLattice, QuarterPoints, quartered};
 use smallvec::SmallVec;
 
 use super::{Kept, LimitSurface, Piece};
@@ -62,10 +62,9 @@ impl View {
     fn quarters(&self) -> [Option<Self>; 4] {
         let middle = |p: (usize, usize), q: (usize, usize)| (usize::midpoint(p.0, q.0), usize::midpoint(p.1, q.1));
         let [a, b, c] = self.corners;
-        let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
-        let all = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+        let quarters = quartered(self.corners, [middle(a, b), middle(b, c), middle(c, a)]);
         let is_fine = self.steps() >= 2 * QUARTERS;
-        all.map(|corners| is_fine.then_some(Self { lattice: self.lattice, corners }))
+        quarters.map(|corners| is_fine.then_some(Self { lattice: self.lattice, corners }))
     }
 
     fn points(&self, lattice: &PatchLattice) -> QuarterPoints {
