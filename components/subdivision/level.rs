@@ -356,3 +356,37 @@ pub const fn next(h: u32) -> u32 {
 pub const fn previous(h: u32) -> u32 {
     if h.is_multiple_of(3) { h + 2 } else { h - 1 }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::mesh::VertexId;
+
+    /// Two levels below two faces of a strip of four.
+    fn level() -> LevelMesh {
+        let faces = [[0, 1, 2], [2, 1, 3], [2, 3, 4], [4, 3, 5]];
+        let mesh = Connectivity::new(6, &faces).expect("a valid mesh");
+        let points = (0..6).map(|v| DVec3::new(f64::from(v), f64::from(v % 2), 0.0)).collect();
+        let corners: Vec<VertexId> = [0, 1, 5, 4].map(VertexId).to_vec();
+        let surface = LoopSurface::plain(Arc::new(mesh), points, &corners);
+        let root = LevelMesh::root(&surface, &CornerTable::new(&surface));
+        let finer = root.refine(&surface, &[0, 1, 2, 3]);
+        finer.refine(&surface, &[0, 1, 2, 3, 8, 9, 10, 11])
+    }
+
+    /// Any selection of faces, some of which are not there, is found as one by one.
+    #[test]
+    fn faces_are_found_together_as_alone() {
+        let level = level();
+        let all: Vec<FaceCode> = (0..64).map(FaceCode).collect();
+        for (skip, every) in (0..64).flat_map(|skip| [1, 2, 3, 7, 16, 31].map(|every| (skip, every))) {
+            let some: Vec<FaceCode> = all.iter().copied().skip(skip).step_by(every).collect();
+            let alone: Vec<u32> = some.iter().filter_map(|&face| level.find(face)).collect();
+            assert_eq!(level.find_all(&some), alone, "{every}th from {skip}");
+        }
+        assert_eq!(level.find_all(&all).len(), level.codes.len());
+        assert!(level.find_all(&[]).is_empty());
+    }
+}

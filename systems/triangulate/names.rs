@@ -171,3 +171,28 @@ impl<'a> Names<'a> {
         Some(self.corner_count() as u32 + self.edges[e.index()] + place as u32)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use selvedge_components::subdivision::FaceCode;
+
+    /// Vertices inside a face are found, and what is none is not, in rows that are filled evenly or not.
+    #[test]
+    fn every_vertex_inside_a_face_has_its_name_and_nothing_else_has_one() {
+        let mesh = Connectivity::new(4, &[[0, 1, 2], [2, 1, 3]]).expect("a valid mesh");
+        let mut forest = Forest::uniform(2, 3);
+        forest.split(&mesh, &[vec![], vec![], vec![], vec![FaceCode(5), FaceCode(6), FaceCode(40)]]);
+        let n = 1 << forest.finest();
+        let plots = [0, 1].map(|f| Plot::new(&mesh, &forest, FaceId::new(f)));
+        let names = Names::new(&mesh, n, &plots);
+        assert!(plots.iter().all(|plot| !plot.rows.is_empty()));
+        for face in [0, 1].map(FaceId) {
+            for (i, j) in (1..n).flat_map(|i| (1..n - i).map(move |j| (i, j))) {
+                let place = names.inside(face).iter().position(|&at| at == (i, j));
+                let name = place.map(|place| names.inside[face.index()] + place as u32);
+                assert_eq!(names.find(face, (i, j)), name, "{face:?} {i} {j}");
+            }
+        }
+    }
+}
