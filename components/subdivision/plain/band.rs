@@ -6,7 +6,7 @@
 //! over the whole band the surface is the polynomial of that net, and the difference of the one point
 //! times what the point weighs there ([`Found`](super::place::Found)).
 
-use super::corner::{Corner, edge_point, near, reflect, regular_vertex, step_centre, step_ring};
+use super::corner::{Around, Corner, edge_point, near, reflect, regular_vertex, step_centre, step_ring};
 use super::patch::Load;
 use super::topology::VertexRule;
 use crate::subdivision::boxspline::{Net, Quartic, Vector};
@@ -31,6 +31,15 @@ impl<V: Vector> Band<V> {
     pub fn with_derivatives(&self, s: f64, t: f64, weights: [f64; 3]) -> [V; 3] {
         let [position, ds, dt] = self.quartic.with_derivatives(s, t);
         [position + self.excess * weights[0], ds + self.excess * weights[1], dt + self.excess * weights[2]]
+    }
+}
+
+impl Band<glam::DVec3> {
+    /// The same for `load` to calculate with.
+    #[inline(always)]
+    pub(super) fn load<L: Load>(self, load: L) -> Band<L::Vector> {
+        let coefficients = load.load_all(self.quartic.coefficients);
+        Band { quartic: Quartic { coefficients }, excess: load.load(self.excess) }
     }
 }
 
@@ -62,16 +71,13 @@ impl<V: Vector> Level<V> {
 
     /// The first level around an interior corner.
     #[inline(always)]
-    fn first<L: Load<Vector = V>>(load: L, corner: &Corner<'_, V>) -> Self {
-        let &Corner { valence, first, centres: [v, to, _], ring, outer, .. } = corner;
-        Self::new([v, to], ring.window(load, valence, first, 2), outer)
+    fn first(Around { centres: [v, to, _], ring, outer, .. }: Around<V, 6>) -> Self {
+        Self::new([v, to], ring, outer)
     }
 
     /// The second level around an interior corner, of which most of the ring is of no use.
     #[inline(always)]
-    fn second<L: Load<Vector = V>>(load: L, corner: &Corner<'_, V>) -> Self {
-        let &Corner { valence, first, centres: [v, to, next], ring, outer, .. } = corner;
-        let [a, r @ .., h]: [V; 8] = ring.window(load, valence, first, 3);
+    fn second(Around { centres: [v, to, next], ring: [a, r @ .., h], outer, .. }: Around<V, 8>) -> Self {
         let ends = [edge_point(v, r[0], a, r[1]), edge_point(v, r[5], r[4], h)];
         Self::new([v, to], r, outer).finer(ends, next)
     }
@@ -114,16 +120,16 @@ impl<V: Vector> Level<V> {
     }
 }
 
-/// The first band around an interior corner.
+/// The first band around an interior corner, which is the face's `i`-th.
 #[inline(always)]
-pub(super) fn first_band<L: Load>(load: L, corner: &Corner<'_, L::Vector>, i: usize) -> Band<L::Vector> {
-    Level::first(load, corner).band(corner.limit, i)
+pub(super) fn first_band<V: Vector>(around: Around<V, 6>, i: usize) -> Band<V> {
+    Level::first(around).band(around.limit, i)
 }
 
-/// The second band around an interior corner.
+/// The second band around an interior corner, which is the face's `i`-th.
 #[inline(always)]
-pub(super) fn second_band<L: Load>(load: L, corner: &Corner<'_, L::Vector>, i: usize) -> Band<L::Vector> {
-    Level::second(load, corner).band(corner.limit, i)
+pub(super) fn second_band<V: Vector>(around: Around<V, 8>, i: usize) -> Band<V> {
+    Level::second(around).band(around.limit, i)
 }
 
 /// The points of the ring before and after `near`, which are those around the face. Beyond a border they
@@ -191,7 +197,7 @@ impl<'a, L: Load> Bands<'a, L> {
         self.corner = corner;
         let Corner { rule, first, centres: [v, to, _], outer, valence, .. } = corner;
         let level = if rule == VertexRule::Interior {
-            Level::first(self.load, &corner)
+            Level::first(corner.around(self.load))
         } else {
             self.read_ring();
             let ring = &self.ring[..valence];
@@ -239,7 +245,7 @@ impl<'a, L: Load> Bands<'a, L> {
         let Corner { rule, weight, first, valence, centres, .. } = self.corner;
         let is_interior = rule == VertexRule::Interior;
         if is_interior && self.depths == 1 {
-            self.push(Level::second(self.load, &self.corner));
+            self.push(Level::second(self.corner.around(self.load)));
             return;
         }
         if is_interior && self.depths == 2 {

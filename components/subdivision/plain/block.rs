@@ -21,15 +21,20 @@ pub(super) const fn size(valence: u32) -> u32 {
     RING + valence
 }
 
-/// The points of all blocks, one after the other: three numbers each, and one more at the end so that
-/// four can be read anywhere.
+/// So many numbers from a block's begin on hold all its points, unless its valence is uncommonly large, and
+/// where a number below 128 says, there are always four.
+pub(super) type Stretch = [f64; STRETCH];
+const STRETCH: usize = 128 + 3;
+
+/// The points of all blocks, one after the other: three numbers each, and more at the end so that four can be
+/// read anywhere and a [`Stretch`] from every block's begin on.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Blocks(Vec<f64>);
 
 impl Blocks {
     /// Room for `points` points.
     pub fn new(points: usize) -> Self {
-        Self(vec![0.0; 3 * points + 1])
+        Self(vec![0.0; 3 * points + STRETCH])
     }
 
     /// The point at `place`.
@@ -37,6 +42,13 @@ impl Blocks {
     pub fn point<L: Load>(&self, load: L, place: u32) -> L::Vector {
         let start = 3 * place as usize;
         point(load, &self.0[start..start + 4])
+    }
+
+    /// The numbers of the block that begins at `block` and those behind it.
+    #[inline(always)]
+    pub fn stretch(&self, block: u32) -> &Stretch {
+        let start = 3 * block as usize;
+        self.0[start..].first_chunk().expect("a stretch is behind the last block")
     }
 
     /// The ring of `valence` points of the block that begins at `block`.
@@ -104,6 +116,14 @@ impl Blocks {
 const LINE: usize = 8;
 /// How many lines the block of a vertex of valence 7 takes, which begins anywhere in a line.
 const USUAL_LINES: usize = (3 * size(7) as usize).div_ceil(LINE);
+
+/// The four numbers at `at` of a stretch.
+#[inline(always)]
+pub(super) fn in_stretch(stretch: &Stretch, at: u8) -> &[f64; 4] {
+    // Nothing for places that there are; known here, it spares looking.
+    let at = usize::from(at & 127);
+    stretch[at..at + 4].first_chunk().expect("there are four numbers")
+}
 
 #[inline(always)]
 fn point<L: Load>(load: L, numbers: &[f64]) -> L::Vector {

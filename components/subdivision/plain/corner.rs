@@ -44,6 +44,16 @@ pub(super) struct Corner<'a, V> {
     pub outer: [V; 5],
 }
 
+/// The first level around an interior corner, and what of the ring is near the face: `N` points in a row, the
+/// two on the face's edges in their middle.
+#[derive(Clone, Copy)]
+pub(super) struct Around<V, const N: usize> {
+    pub limit: V,
+    pub centres: [V; 3],
+    pub ring: [V; N],
+    pub outer: [V; 5],
+}
+
 /// Control points of one level around a corner, by their place in it; `m` is -1.
 ///
 /// ```text
@@ -73,6 +83,13 @@ impl<V: Vector> Corner<'_, V> {
             ring: Ring::default(),
             outer: [zero; 5],
         }
+    }
+
+    /// What is near the face of an interior corner.
+    #[inline(always)]
+    pub fn around<const N: usize>(&self, load: impl Load<Vector = V>) -> Around<V, N> {
+        let &Corner { valence, first, limit, centres, ring, outer, .. } = self;
+        Around { limit, centres, ring: ring.window(load, valence, first, N / 2 - 1), outer }
     }
 }
 
@@ -165,8 +182,7 @@ fn leave<V: Vector>(lattice: &mut Lattice<V>, corner: V, near: [V; 4], outer: [V
 /// Writes what the first step leaves behind around an interior corner.
 #[inline(always)]
 fn leave_first<L: Load>(load: L, corner: &Corner<'_, L::Vector>, lattice: &mut Lattice<L::Vector>) {
-    let &Corner { valence, first, centres: [v, to, _], ring, outer, .. } = corner;
-    let r: [L::Vector; 6] = ring.window(load, valence, first, 2);
+    let Around { centres: [v, to, _], ring: r, outer, .. } = corner.around::<6>(load);
     leave(lattice, v, [r[1], r[2], r[3], r[4]], outer, to, between(v, r));
 }
 
@@ -175,12 +191,12 @@ fn leave_first<L: Load>(load: L, corner: &Corner<'_, L::Vector>, lattice: &mut L
 #[inline(always)]
 fn leave_second<L: Load>(
     load: L,
-    &Corner { valence, first, centres, ring, .. }: &Corner<'_, L::Vector>,
+    corner: &Corner<'_, L::Vector>,
     before: &Lattice<L::Vector>,
     lattice: &mut Lattice<L::Vector>,
 ) {
     let [v, n0, n1, n2, n3, z, y, x, w, u, ..] = *before;
-    let r: [L::Vector; 8] = ring.window(load, valence, first, 3);
+    let Around { centres, ring: r, .. } = corner.around::<8>(load);
     let before = edge_point(centres[0], r[1], r[0], r[2]);
     let after = edge_point(centres[0], r[6], r[5], r[7]);
     let to_near = between(v, [before, n0, n1, n2, n3, after]);

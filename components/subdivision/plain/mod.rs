@@ -9,6 +9,7 @@
 mod band;
 mod block;
 mod corner;
+mod finer;
 mod limit;
 mod patch;
 pub mod place;

@@ -93,29 +93,67 @@ pub(super) struct InteriorMask {
     pub limit: f64,
 }
 
-/// Where the finer points around a corner of a face that is not regular are kept: in the blocks of
-/// the face's own corners.
+/// Where the finer points of a corner of a face that is not regular are kept, and how the face lies there.
+/// Small, because faces are many: what else a corner needs stands in its face's other blocks, at places that
+/// follow from these.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FinerCorner {
-    pub rule: VertexRule,
     /// The corner's own block.
     pub block: u32,
-    pub valence: u32,
     /// The place in the ring of the midpoint of the edge to the face's next corner.
     pub first: u32,
-    /// The midpoint of the edge from the next corner to the far vertex across the edge between;
-    /// [`NONE`] across a border.
-    pub before: u32,
-    /// The midpoint of the edge from the corner after next to the far vertex across the edge
-    /// between; [`NONE`] across a border.
-    pub after: u32,
+    /// The valence; at a border with a mark in the two highest bits.
+    kind: u32,
 }
 
+/// The marks of a border in [`FinerCorner::kind`]. Valences are below: there are not even as many faces.
+const BORDER: u32 = 1 << 30;
+const CORNER: u32 = 1 << 31;
+
 impl FinerCorner {
+    fn new(rule: VertexRule, block: u32, valence: u32, first: u32) -> Self {
+        let mark = match rule {
+            VertexRule::Interior => 0,
+            VertexRule::Border => BORDER,
+            VertexRule::Corner => CORNER,
+        };
+        Self { block, first, kind: valence | mark }
+    }
+
+    #[inline(always)]
+    pub fn rule(self) -> VertexRule {
+        match self.kind & (BORDER | CORNER) {
+            0 => VertexRule::Interior,
+            BORDER => VertexRule::Border,
+            _ => VertexRule::Corner,
+        }
+    }
+
+    #[inline(always)]
+    pub fn valence(self) -> u32 {
+        self.kind & !(BORDER | CORNER)
+    }
+
+    /// Is it an interior vertex of at most this valence?
+    #[inline(always)]
+    pub fn is_interior_up_to(self, valence: u32) -> bool {
+        self.kind <= valence
+    }
+
     /// Is it an interior vertex of valence 6?
     #[inline(always)]
     fn is_regular(&self) -> bool {
-        self.rule == VertexRule::Interior && self.valence == 6
+        self.kind == 6
+    }
+
+    /// Where the point of the ring is that stands `after` places after the face's first there; `None` beyond
+    /// a border.
+    #[inline(always)]
+    pub fn ring_point(self, after: i32) -> Option<u32> {
+        let (k, at) = (self.valence() as i32, self.first as i32 + after);
+        let beyond = if at < 0 { k } else if at >= k { -k } else { 0 };
+        let is_there = beyond == 0 || self.rule() == VertexRule::Interior;
+        is_there.then(|| self.block + block::RING + (at + beyond) as u32)
     }
 }
 
@@ -300,20 +338,8 @@ fn finer_corners(mesh: &Connectivity, rules: &[VertexRule], faces: &[u32], block
     }
     let corner = |h: HalfedgeId| {
         let v = mesh.from(h);
-        FinerCorner {
-            rule: rules[v.index()],
-            block: blocks[v.index()],
-            valence: mesh.valence(v),
-            first: slots[h.index()] - blocks[v.index()] - block::RING,
-            // The one after the twin, which leaves the next corner, in the ring there.
-            before: mesh.twin(h).map_or(NONE, |twin| {
-                let next = mesh.from(twin);
-                let (after, first) = (slots[twin.index()] + 1, blocks[next.index()] + block::RING);
-                let end = first + mesh.valence(next);
-                if after < end { after } else { first }
-            }),
-            after: mesh.twin(h.previous()).map_or(NONE, |twin| slots[twin.next().index()]),
-        }
+        let block = blocks[v.index()];
+        FinerCorner::new(rules[v.index()], block, mesh.valence(v), slots[h.index()] - block - block::RING)
     };
     let faces = (0..mesh.face_count()).filter(|&f| !is_regular(faces[f])).map(FaceId::new);
     faces.map(|f| [0, 1, 2].map(|i| corner(HalfedgeId::of(f, i)))).collect()
