@@ -1,14 +1,15 @@
 //! The control points around a face that is not regular, one step finer.
 
+use super::band::{Band, first_band, second_band, third_band};
 use super::block::{Blocks, RING, Stretch, in_stretch};
 use super::corner::{Around, Corner, reflect};
 use super::patch::Load;
-use super::topology::{FinerCorner, PlainTopology};
-use crate::subdivision::boxspline::{Net, Vector};
+use super::topology::{FinerCorner, InteriorMask, PlainTopology, USUAL_MASKS};
+use crate::subdivision::boxspline::{Net, Quartic, Vector};
 
 /// The finer points around the three corners of a face, each relative to the limit of its corner.
 pub(super) trait FinerPoints<V: Vector> {
-    /// The limit of corner `i`; and the vertex there after one step, two and three.
+    /// The limit of corner `i`; and the vertex there after one step and two.
     fn head(&self, i: usize) -> [V; RING as usize];
 
     /// The point of corner `i`'s ring that stands `after` places after the one on the edge to the next corner,
@@ -20,7 +21,7 @@ pub(super) trait FinerPoints<V: Vector> {
 
     /// The control points of the middle quarter. Its coordinates are turned by half a turn.
     #[inline(always)]
-    fn middle(&self) -> Net<V> {
+    fn middle_net(&self) -> Net<V> {
         let [[la, a, ..], [lb, b, ..], [lc, c, ..]] = [self.head(0), self.head(1), self.head(2)];
         let [a, b, c] = [a + la, b + lb, c + lc];
         let [ab, bc, ca] = [self.edge(0) + la, self.edge(1) + lb, self.edge(2) + lc];
@@ -94,34 +95,33 @@ impl<'a, L: Load> AnyFace<'a, L> {
     pub fn corner(&self, i: usize) -> Corner<'a, L::Vector> {
         let of_corner = self.corners[i];
         let valence = of_corner.valence() as usize;
-        let [limit, centres @ ..] = self.head(i);
+        let [limit, first, second] = self.head(i);
         Corner {
             rule: of_corner.rule(),
             valence,
-            weight: self.topology.mask(valence).step,
+            mask: self.topology.mask(valence),
             first: of_corner.first as usize,
             limit,
-            centres,
+            centres: [first, second],
             ring: self.blocks.ring(of_corner.block, valence),
             outer: self.outer(i),
         }
     }
 }
 
-/// The largest valence that is usual: with it a block has 32 points.
-const LARGEST: u32 = 28;
-const ROWS: usize = (LARGEST + 1).next_power_of_two() as usize;
+/// Usual valences are below: with the largest a block has 34 points.
+const ROWS: usize = USUAL_MASKS;
 /// Points of a ring that a face is made of, or may be, and the place among them of the one on the face's edge
 /// to the next corner.
-const NEAR: usize = 8;
-const FIRST: usize = 3;
+const NEAR: usize = 10;
+const FIRST: usize = 4;
 
 /// By valence and by the place in the ring of a face's first point: where in a block the numbers of the points
 /// begin that are near the face.
 static NEAR_IN_RING: [[[u8; NEAR]; ROWS]; ROWS] = {
     let mut table = [[[0; NEAR]; ROWS]; ROWS];
     let mut valence = 3;
-    while valence <= LARGEST as usize {
+    while valence < ROWS {
         let mut first = 0;
         while first < valence {
             let mut i = 0;
@@ -146,9 +146,11 @@ fn near(corner: FinerCorner) -> &'static [u8; NEAR] {
 /// The points around nearly every face: one whose corners are inside and of usual valence.
 ///
 /// What is read stands in stretches of one length at places that a table says: no index has to be looked at.
-#[derive(Clone, Copy)]
-pub(super) struct UsualFace<'a, L> {
+#[derive(Clone, Copy, Debug)]
+pub struct UsualFace<'a, L> {
     load: L,
+    masks: &'a [InteriorMask; ROWS],
+    corners: &'a [FinerCorner; 3],
     blocks: [&'a Stretch; 3],
     near: [&'static [u8; NEAR]; 3],
 }
@@ -156,13 +158,18 @@ pub(super) struct UsualFace<'a, L> {
 impl<'a, L: Load> UsualFace<'a, L> {
     /// The points around the face with these corners; `None` of one that is not usual.
     #[inline(always)]
-    pub fn new(load: L, blocks: &'a Blocks, corners: &[FinerCorner; 3]) -> Option<Self> {
-        let [a, b, c] = *corners;
-        if !(a.is_interior_up_to(LARGEST) && b.is_interior_up_to(LARGEST) && c.is_interior_up_to(LARGEST)) {
+    pub(super) fn new(
+        load: L,
+        topology: &'a PlainTopology,
+        blocks: &'a Blocks,
+        corners: &'a [FinerCorner; 3],
+    ) -> Option<Self> {
+        if !FinerCorner::are_interior_below(corners, ROWS as u32) {
             return None;
         }
+        let [a, b, c] = *corners;
         let blocks = [blocks.stretch(a.block), blocks.stretch(b.block), blocks.stretch(c.block)];
-        Some(Self { load, blocks, near: [near(a), near(b), near(c)] })
+        Some(Self { load, masks: topology.usual_masks(), corners, blocks, near: [near(a), near(b), near(c)] })
     }
 
     /// The point of block `i` whose numbers begin at `at`.
@@ -171,22 +178,47 @@ impl<'a, L: Load> UsualFace<'a, L> {
         self.load.load_padded(in_stretch(self.blocks[i], at))
     }
 
+    /// As [`PatchReader::middle`](super::PatchReader::middle).
+    #[inline(always)]
+    pub fn middle(&self) -> Quartic<L::Vector> {
+        Quartic::new(&self.middle_net())
+    }
+
+    /// As [`PatchReader::first_band`](super::PatchReader::first_band).
+    #[inline(always)]
+    pub fn first_band(&self, corner: usize) -> Band<L::Vector> {
+        first_band(self.around(corner), corner)
+    }
+
+    /// As [`PatchReader::second_band`](super::PatchReader::second_band).
+    #[inline(always)]
+    pub fn second_band(&self, corner: usize) -> Band<L::Vector> {
+        second_band(self.around(corner), corner)
+    }
+
+    /// As [`PatchReader::third_band`](super::PatchReader::third_band).
+    #[inline(always)]
+    pub fn third_band(&self, corner: usize) -> Band<L::Vector> {
+        third_band(self.around(corner), corner)
+    }
+
     /// The points around corner `i`.
     #[inline(always)]
-    pub fn around<const N: usize>(&self, i: usize) -> Around<L::Vector, N> {
-        let [limit, centres @ ..] = self.head(i);
+    fn around<const N: usize>(&self, i: usize) -> Around<L::Vector, N> {
+        let [limit, first, second] = self.head(i);
         let mut ring = [limit; N];
         for (place, point) in ring.iter_mut().enumerate() {
             *point = self.point(i, self.near[i][FIRST + 1 - N / 2 + place]);
         }
-        Around { limit, centres, ring, outer: self.outer(i) }
+        let eigenvalue = self.masks[self.corners[i].valence() as usize % ROWS].eigenvalue;
+        Around { limit, centres: [first, second], eigenvalue, ring, outer: self.outer(i) }
     }
 }
 
 impl<L: Load> FinerPoints<L::Vector> for UsualFace<'_, L> {
     #[inline(always)]
     fn head(&self, i: usize) -> [L::Vector; RING as usize] {
-        [self.point(i, 0), self.point(i, 3), self.point(i, 6), self.point(i, 9)]
+        [self.point(i, 0), self.point(i, 3), self.point(i, 6)]
     }
 
     #[inline(always)]

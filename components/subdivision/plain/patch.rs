@@ -4,11 +4,11 @@ use glam::DVec3;
 use prefetch_index::prefetch_index;
 
 use super::PlainLoop;
-use super::band::{Band, Bands, first_band, second_band};
+use super::band::{Band, Bands, first_band, second_band, third_band};
 use super::corner::{CornerPieces, reflect};
 use super::finer::{AnyFace, FinerPoints, UsualFace};
 use super::place::{self, DEEPEST, Found, Piece};
-use super::topology::VertexRule;
+use super::topology::{FinerCorner, VertexRule};
 use crate::evaluate::{Jet, SurfacePoint};
 use crate::mesh::{FaceId, HalfedgeId, VertexId};
 use crate::subdivision::boxspline::{Net, Quartic, Vector};
@@ -161,7 +161,7 @@ impl<'a, L: Load> PatchReader<'a, L> {
     #[inline(always)]
     pub fn middle(&self, face: FaceId) -> Quartic<L::Vector> {
         match self.usual(face) {
-            Some(face) => Quartic::new(&face.middle()),
+            Some(face) => face.middle(),
             None => Quartic { coefficients: self.load.load_all(self.unusual_middle(face).coefficients) },
         }
     }
@@ -192,7 +192,7 @@ impl<'a, L: Load> PatchReader<'a, L> {
     #[inline(always)]
     pub fn first_band(&self, face: FaceId, corner: usize) -> Option<Band<L::Vector>> {
         match self.usual(face) {
-            Some(face) => Some(first_band(face.around(corner), corner)),
+            Some(face) => Some(face.first_band(corner)),
             None => Some(self.unusual_band(face, corner, 0)?.load(self.load)),
         }
     }
@@ -201,8 +201,35 @@ impl<'a, L: Load> PatchReader<'a, L> {
     #[inline(always)]
     pub fn second_band(&self, face: FaceId, corner: usize) -> Option<Band<L::Vector>> {
         match self.usual(face) {
-            Some(face) => Some(second_band(face.around(corner), corner)),
+            Some(face) => Some(face.second_band(corner)),
             None => Some(self.unusual_band(face, corner, 1)?.load(self.load)),
+        }
+    }
+
+    /// As [`Self::first_band`] the third.
+    #[inline(always)]
+    pub fn third_band(&self, face: FaceId, corner: usize) -> Option<Band<L::Vector>> {
+        match self.usual(face) {
+            Some(face) => Some(face.third_band(corner)),
+            None => Some(self.unusual_band(face, corner, 2)?.load(self.load)),
+        }
+    }
+
+    /// `piece` of `face`, in the piece's own coordinates; of a vertex the tangent plane there.
+    /// [`Piece::WHOLE`] belongs to regular faces, the others to the rest. What was in `scratch` is lost.
+    #[inline(always)]
+    pub fn band(&self, face: FaceId, piece: Piece, scratch: &mut Bands<'a, L>) -> Band<L::Vector> {
+        match piece {
+            Piece::WHOLE => self.plain(self.whole(face)),
+            Piece::MIDDLE => self.plain(self.middle(face)),
+            _ if piece.depth() == DEEPEST => self.plain(self.tangent_plane(face, piece.corner())),
+            _ => {
+                self.begin(face, piece.corner(), scratch);
+                for _ in 0..piece.depth() {
+                    scratch.descend();
+                }
+                scratch.band(piece.depth(), piece.corner())
+            }
         }
     }
 
@@ -210,10 +237,10 @@ impl<'a, L: Load> PatchReader<'a, L> {
     #[cold]
     #[inline(never)]
     fn unusual_middle(&self, face: FaceId) -> Quartic<DVec3> {
-        Quartic::new(&PatchReader::new(self.surface, AsStored).any(face).middle())
+        Quartic::new(&PatchReader::new(self.surface, AsStored).any(face).middle_net())
     }
 
-    /// As [`Self::first_band`] or, at depth 1, [`Self::second_band`] beside a border or a large valence.
+    /// The band of that depth around an interior corner beside a border or a large valence.
     #[cold]
     #[inline(never)]
     fn unusual_band(&self, face: FaceId, corner: usize, depth: u8) -> Option<Band<DVec3>> {
@@ -221,10 +248,10 @@ impl<'a, L: Load> PatchReader<'a, L> {
         if of_corner.rule != VertexRule::Interior {
             return None;
         }
-        Some(if depth == 0 {
-            first_band(of_corner.around(AsStored), corner)
-        } else {
-            second_band(of_corner.around(AsStored), corner)
+        Some(match depth {
+            0 => first_band(of_corner.around(AsStored), corner),
+            1 => second_band(of_corner.around(AsStored), corner),
+            _ => third_band(of_corner.around(AsStored), corner),
         })
     }
 
@@ -234,17 +261,29 @@ impl<'a, L: Load> PatchReader<'a, L> {
         Band::plain(self.load, quartic)
     }
 
-    /// Asks memory for what `face` is made of at its corner `corner`, without waiting for it, unless it is
-    /// regular beside a border.
+    /// Asks memory for what `face` is made of, without waiting for it, unless it is regular beside a border.
     #[inline(always)]
-    pub fn prefetch(&self, face: FaceId, corner: usize) {
+    pub fn prefetch(&self, face: FaceId) {
         if let Some(corners) = self.surface.topology.irregular_corners(face) {
-            self.surface.finer.prefetch(corners[corner].block);
+            for corner in corners {
+                self.surface.finer.prefetch(corner.block);
+            }
         } else if let Some(net) = self.surface.topology.net(face) {
-            for v in &net[4 * corner..4 * corner + 4] {
+            for v in net {
                 prefetch_index(&self.surface.points, *v as usize);
             }
         }
+    }
+
+    /// Of a face that is not regular which corners are, as
+    /// [`PlainTopology::regular_corners`](super::PlainTopology::regular_corners) says it, and the points around
+    /// it, unless it is on a border or has a corner of a large valence.
+    #[inline(always)]
+    pub fn irregular(&self, face: FaceId) -> Option<(u64, Option<UsualFace<'a, L>>)> {
+        let PlainLoop { topology, finer, .. } = self.surface;
+        let corners = topology.irregular_corners(face)?;
+        let usual = UsualFace::new(self.load, topology, finer, corners);
+        Some((FinerCorner::regular_among(corners), usual))
     }
 
     #[inline(always)]
@@ -253,10 +292,11 @@ impl<'a, L: Load> PatchReader<'a, L> {
         AnyFace { load: self.load, topology, blocks: finer, corners: topology.finer_corners(face) }
     }
 
+    /// The points around a face that is not regular, unless it is on a border or has a corner of a large valence.
     #[inline(always)]
     fn usual(&self, face: FaceId) -> Option<UsualFace<'a, L>> {
         let PlainLoop { topology, finer, .. } = self.surface;
-        UsualFace::new(self.load, finer, topology.finer_corners(face))
+        UsualFace::new(self.load, topology, finer, topology.finer_corners(face))
     }
 
     #[inline(always)]
@@ -293,28 +333,10 @@ impl PlainLoop {
         let (s, t) = place::clamp(at.st.x, at.st.y);
         let regular = topology.regular_corners(at.face).unwrap_or(place::WHOLE);
         let Found { piece, s, t, scale, weights } = place::in_face(s, t, regular);
-        let band = self.band(at.face, Piece::from_index(piece as usize));
+        let reader = PatchReader::new(self, AsStored);
+        let band = reader.band(at.face, Piece::from_index(piece as usize), &mut reader.no_bands());
         let [position, ds, dt] = band.with_derivatives(s, t, weights);
         Jet { position, ds: ds * scale, dt: dt * scale }
-    }
-
-    /// `piece` of `face`, in the piece's own coordinates; of a vertex the tangent plane there.
-    /// [`Piece::WHOLE`] belongs to regular faces, the others to the rest.
-    fn band(&self, face: FaceId, piece: Piece) -> Band<DVec3> {
-        let reader = PatchReader::new(self, AsStored);
-        match piece {
-            Piece::WHOLE => reader.plain(reader.whole(face)),
-            Piece::MIDDLE => reader.plain(reader.middle(face)),
-            _ if piece.depth() == DEEPEST => reader.plain(reader.tangent_plane(face, piece.corner())),
-            _ => {
-                let mut bands = reader.no_bands();
-                reader.begin(face, piece.corner(), &mut bands);
-                for _ in 0..piece.depth() {
-                    bands.descend();
-                }
-                bands.band(piece.depth(), piece.corner())
-            }
-        }
     }
 
     /// The control points of a regular face; beyond borders, their phantoms. `None` where

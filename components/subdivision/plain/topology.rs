@@ -82,15 +82,29 @@ pub struct PlainTopology {
     blocks: Vec<u32>,
     /// How many points all blocks have.
     finer_points: u32,
-    /// For each valence up to the largest: the masks of an interior vertex.
+    /// For each valence up to the largest, and [`USUAL_MASKS`] at least: the masks of an interior vertex.
     masks: Vec<InteriorMask>,
 }
+
+/// So many masks there always are: no look is needed whether one of a smaller valence is there.
+pub(super) const USUAL_MASKS: usize = 32;
 
 /// Weights of each neighbour of an interior vertex, under one step and in the limit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct InteriorMask {
     pub step: f64,
     pub limit: f64,
+    /// That of a step of the vertex and its ring's mean, beside 1: each way of the vertex, from one step to the
+    /// next, is this times the one before.
+    pub eigenvalue: f64,
+}
+
+impl InteriorMask {
+    /// The mask of valence `k`.
+    fn new(k: u32) -> Self {
+        let step = masks::neighbour_weight(k);
+        Self { step, limit: masks::limit_weight(k), eigenvalue: 0.625 - f64::from(k) * step }
+    }
 }
 
 /// Where the finer points of a corner of a face that is not regular are kept, and how the face lies there.
@@ -106,7 +120,8 @@ pub(super) struct FinerCorner {
     kind: u32,
 }
 
-/// The marks of a border in [`FinerCorner::kind`]. Valences are below: there are not even as many faces.
+/// The marks of a border in [`FinerCorner::kind`]. Valences are below: 32 bits do not number the points around
+/// a larger one ([`PlainError::TooLarge`]).
 const BORDER: u32 = 1 << 30;
 const CORNER: u32 = 1 << 31;
 
@@ -134,10 +149,10 @@ impl FinerCorner {
         self.kind & !(BORDER | CORNER)
     }
 
-    /// Is it an interior vertex of at most this valence?
+    /// Are all three interior vertices of valences below `end`, a power of two?
     #[inline(always)]
-    pub fn is_interior_up_to(self, valence: u32) -> bool {
-        self.kind <= valence
+    pub fn are_interior_below([a, b, c]: &[Self; 3], end: u32) -> bool {
+        a.kind | b.kind | c.kind < end
     }
 
     /// Is it an interior vertex of valence 6?
@@ -146,12 +161,24 @@ impl FinerCorner {
         self.kind == 6
     }
 
+    /// Which are, of the corners of a face, as [`PlainTopology::regular_corners`] says it.
+    #[inline(always)]
+    pub fn regular_among([a, b, c]: &[Self; 3]) -> u64 {
+        u64::from(a.is_regular()) | u64::from(b.is_regular()) << 1 | u64::from(c.is_regular()) << 2
+    }
+
     /// Where the point of the ring is that stands `after` places after the face's first there; `None` beyond
     /// a border.
     #[inline(always)]
     pub fn ring_point(self, after: i32) -> Option<u32> {
         let (k, at) = (self.valence() as i32, self.first as i32 + after);
-        let beyond = if at < 0 { k } else if at >= k { -k } else { 0 };
+        let beyond = if at < 0 {
+            k
+        } else if at >= k {
+            -k
+        } else {
+            0
+        };
         let is_there = beyond == 0 || self.rule() == VertexRule::Interior;
         is_there.then(|| self.block + block::RING + (at + beyond) as u32)
     }
@@ -215,8 +242,7 @@ impl PlainTopology {
     /// count, not those on borders. `None` of a face that is regular itself.
     #[inline(always)]
     pub fn regular_corners(&self, face: FaceId) -> Option<u64> {
-        let [a, b, c] = self.corners.get(self.faces[face.index()] as usize)?;
-        Some(u64::from(a.is_regular()) | u64::from(b.is_regular()) << 1 | u64::from(c.is_regular()) << 2)
+        self.irregular_corners(face).map(FinerCorner::regular_among)
     }
 
     /// The corners of a face, unless it is regular.
@@ -252,6 +278,12 @@ impl PlainTopology {
     #[inline]
     pub(super) fn mask(&self, valence: usize) -> InteriorMask {
         self.masks[valence]
+    }
+
+    /// Those of valences below [`USUAL_MASKS`]; of no meaning for those that do not occur in the mesh.
+    #[inline]
+    pub(super) fn usual_masks(&self) -> &[InteriorMask; USUAL_MASKS] {
+        self.masks.first_chunk().expect("there always are so many")
     }
 }
 
@@ -293,7 +325,7 @@ fn regular_net(mesh: &Connectivity, face: FaceId) -> Option<[u32; 12]> {
 
 /// Computed once for each valence that occurs: a cosine costs more than the sum it weighs.
 fn interior_masks(mesh: &Connectivity) -> Vec<InteriorMask> {
-    let mut masks = Vec::new();
+    let mut masks = vec![InteriorMask::default(); USUAL_MASKS];
     for v in (0..mesh.vertex_count()).map(VertexId::new) {
         let k = mesh.valence(v);
         if masks.len() <= k as usize {
@@ -301,7 +333,7 @@ fn interior_masks(mesh: &Connectivity) -> Vec<InteriorMask> {
         }
         let mask = &mut masks[k as usize];
         if mask.step == 0.0 {
-            *mask = InteriorMask { step: masks::neighbour_weight(k), limit: masks::limit_weight(k) };
+            *mask = InteriorMask::new(k);
         }
     }
     masks

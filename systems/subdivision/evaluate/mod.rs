@@ -13,7 +13,7 @@ use thiserror::Error;
 
 use super::lanes::{AsLanes, Store};
 use crate::parallel;
-use worker::{Located, Put, Worker};
+use worker::{BLOCK, Located, Put, Worker};
 
 mod spread;
 mod worker;
@@ -151,7 +151,8 @@ struct Scattered<'a, 'b> {
 }
 
 impl Put for Scattered<'_, '_> {
-    const CROWDED: usize = 12;
+    /// None has so many: what stands in the way of writes anywhere is better all made before.
+    const CROWDED: usize = BLOCK + 1;
 
     #[inline(always)]
     fn put(&mut self, index: usize, jet: Jet) {
@@ -168,7 +169,7 @@ impl Put for Scattered<'_, '_> {
 struct InOrder<'a>(&'a mut [Jet]);
 
 impl Put for InOrder<'_> {
-    const CROWDED: usize = 3;
+    const CROWDED: usize = 40;
 
     #[inline(always)]
     fn put(&mut self, index: usize, jet: Jet) {
