@@ -1,5 +1,6 @@
 //! Evaluates places in turn; what one face is made of is made once, as far as its places need it.
 
+use prefetch_index::prefetch_index;
 use selvedge_components::evaluate::Jet;
 use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::PlainLoop;
@@ -138,6 +139,16 @@ impl<'a, L: Store> Block<'a, L> {
     }
 }
 
+/// Asks for the places of the block from `first` on. The machine asks for what is read in a row by itself, but
+/// stops at the end of a page, and a block is read at one go.
+#[inline(always)]
+fn prefetch_places<P>(places: &[P], first: usize) {
+    let in_a_line = (64 / size_of::<P>()).max(1);
+    for place in (first..first + BLOCK).step_by(in_a_line) {
+        prefetch_index(places, place);
+    }
+}
+
 /// A piece of the `face`-th face.
 #[derive(Clone, Copy)]
 struct Made<V> {
@@ -187,6 +198,7 @@ impl<'a, L: Store> Worker<'a, L> {
         self.blocks[0].read(ahead.next().unwrap_or(&[]));
         for (number, block) in places.chunks(BLOCK).enumerate() {
             let next = ahead.next().unwrap_or(&[]);
+            prefetch_places(places, BLOCK * (number + 3));
             self.blocks[(number + 1) % 2].read(next);
             if irregular && self.find_pieces(number, block) {
                 if block.len() < Q::CROWDED * self.blocks[number % 2].runs {
