@@ -71,10 +71,16 @@ pub struct Found {
     pub weights: [f64; 3],
 }
 
+/// Is `(s, t)` in the unit triangle?
+#[inline(always)]
+pub fn is_inside(s: f64, t: f64) -> bool {
+    (s >= 0.0) & (t >= 0.0) & (s + t <= 1.0)
+}
+
 /// Puts `(s, t)` into the unit triangle. What is not a number becomes 0.
 #[inline(always)]
 pub fn clamp(s: f64, t: f64) -> (f64, f64) {
-    if s >= 0.0 && t >= 0.0 && s + t <= 1.0 { (s, t) } else { clamp_outside(s, t) }
+    if is_inside(s, t) { (s, t) } else { clamp_outside(s, t) }
 }
 
 #[cold]

@@ -107,8 +107,7 @@ impl<'a, L: Store> Block<'a, L> {
         let mut run = 0_usize;
         self.starts[0] = 0;
         for (i, place) in places.iter().enumerate().take(BLOCK) {
-            let (s, t) = place.st();
-            (self.s[i], self.t[i]) = place::clamp(s, t);
+            (self.s[i], self.t[i]) = place.st();
             run += usize::from(place.face() != last);
             last = place.face();
             self.run[i] = run as u8;
@@ -118,6 +117,21 @@ impl<'a, L: Store> Block<'a, L> {
         // A run of its own for each place: the last has written beyond the end, to the front.
         self.starts[0] = 0;
         self.runs = run + 1;
+        self.clamp();
+    }
+
+    /// Puts all places into their faces. Whether any is outside is looked at first, in lanes.
+    #[inline(always)]
+    fn clamp(&mut self) {
+        let mut outside = 0;
+        for (&s, &t) in self.s.iter().zip(&self.t) {
+            outside |= u64::from(!place::is_inside(s, t));
+        }
+        if outside != 0 {
+            for (s, t) in self.s.iter_mut().zip(&mut self.t) {
+                (*s, *t) = place::clamp(*s, *t);
+            }
+        }
     }
 
     /// The points around the face of place `i`, which is not regular; `None` of an unusual one.
