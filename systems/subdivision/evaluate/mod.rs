@@ -73,6 +73,11 @@ fn check(surface: &PlainLoop, places: &[SurfacePoint], jets: &[Jet]) -> Result<(
         return Err(EvaluateError::Length { places: places.len(), results: jets.len() });
     }
     let faces = surface.topology().mesh().face_count();
+    // The largest alone is found faster than the first that is too large.
+    let largest = places.iter().fold(0, |largest, place| place.face.index().max(largest));
+    if places.is_empty() || largest < faces {
+        return Ok(());
+    }
     match places.iter().position(|p| p.face.index() >= faces) {
         Some(place) => Err(EvaluateError::NoSuchFace { place, face: places[place].face, faces }),
         None => Ok(()),
