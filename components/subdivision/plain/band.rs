@@ -6,13 +6,16 @@
 //! over the whole band the surface is the polynomial of that net, and the difference of the one point
 //! times what the point weighs there ([`Found`](super::place::Found)).
 
-use super::corner::{Corner, edge_point, near, reflect, regular_vertex, step_centre, step_ring};
+use super::corner::{Around, Corner, edge_point, near, next, reflect, regular_vertex, step_centre, step_ring};
 use super::patch::Load;
 use super::topology::VertexRule;
 use crate::subdivision::boxspline::{Net, Quartic, Vector};
 
 /// A piece of a face: a polynomial, and what its corner's point exceeds that of a regular vertex by.
+///
+/// Aligned so that few vectors in it, of four lanes each, lie across lines of the cache.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
 pub struct Band<V> {
     quartic: Quartic<V>,
     excess: V,
@@ -31,6 +34,15 @@ impl<V: Vector> Band<V> {
     pub fn with_derivatives(&self, s: f64, t: f64, weights: [f64; 3]) -> [V; 3] {
         let [position, ds, dt] = self.quartic.with_derivatives(s, t);
         [position + self.excess * weights[0], ds + self.excess * weights[1], dt + self.excess * weights[2]]
+    }
+}
+
+impl Band<glam::DVec3> {
+    /// The same for `load` to calculate with.
+    #[inline(always)]
+    pub(super) fn load<L: Load>(self, load: L) -> Band<L::Vector> {
+        let coefficients = load.load_all(self.quartic.coefficients);
+        Band { quartic: Quartic { coefficients }, excess: load.load(self.excess) }
     }
 }
 
@@ -62,18 +74,26 @@ impl<V: Vector> Level<V> {
 
     /// The first level around an interior corner.
     #[inline(always)]
-    fn first<L: Load<Vector = V>>(load: L, corner: &Corner<'_, V>) -> Self {
-        let &Corner { valence, first, centres: [v, to, _], ring, outer, .. } = corner;
-        Self::new([v, to], ring.window(load, valence, first, 2), outer)
+    fn first(Around { centres: [v, to], ring, outer, .. }: Around<V, 6>) -> Self {
+        Self::new([v, to], ring, outer)
     }
 
-    /// The second level around an interior corner, of which most of the ring is of no use.
+    /// The second level there, of which most of the ring is of no use.
     #[inline(always)]
-    fn second<L: Load<Vector = V>>(load: L, corner: &Corner<'_, V>) -> Self {
-        let &Corner { valence, first, centres: [v, to, next], ring, outer, .. } = corner;
-        let [a, r @ .., h]: [V; 8] = ring.window(load, valence, first, 3);
-        let ends = [edge_point(v, r[0], a, r[1]), edge_point(v, r[5], r[4], h)];
-        Self::new([v, to], r, outer).finer(ends, next)
+    fn second(Around { centres, eigenvalue, ring: [a, r @ .., h], outer, .. }: Around<V, 8>) -> Self {
+        let ends = outer_points(centres[0], [a, r[0], r[1]], [r[4], r[5], h]);
+        Self::new(centres, r, outer).finer(ends, next(centres, eigenvalue))
+    }
+
+    /// The third.
+    #[inline(always)]
+    fn third(around: Around<V, 10>) -> Self {
+        let Around { limit, centres: [v, to], eigenvalue, ring: [a, r @ .., j], outer } = around;
+        let second = Self::second(Around { limit, centres: [v, to], eigenvalue, ring: r, outer });
+        let [a, j] = outer_points(v, [a, r[0], r[1]], [r[6], r[7], j]);
+        let [.., before, _, after, fourth, fifth, _, _, _, _] = second.net;
+        let ends = outer_points(to, [a, fifth, before], [after, fourth, j]);
+        second.finer(ends, next([to, second.to], eigenvalue))
     }
 
     /// The next level, in which the ring goes on to `ends` and the corner goes to `to`.
@@ -114,16 +134,28 @@ impl<V: Vector> Level<V> {
     }
 }
 
-/// The first band around an interior corner.
+/// What a step makes of the middle ones of three points in a row of the ring around `v`, and of three others.
 #[inline(always)]
-pub(super) fn first_band<L: Load>(load: L, corner: &Corner<'_, L::Vector>, i: usize) -> Band<L::Vector> {
-    Level::first(load, corner).band(corner.limit, i)
+fn outer_points<V: Vector>(v: V, [a, b, c]: [V; 3], [d, e, f]: [V; 3]) -> [V; 2] {
+    [edge_point(v, b, a, c), edge_point(v, e, d, f)]
 }
 
-/// The second band around an interior corner.
+/// The first band around an interior corner, which is the face's `i`-th.
 #[inline(always)]
-pub(super) fn second_band<L: Load>(load: L, corner: &Corner<'_, L::Vector>, i: usize) -> Band<L::Vector> {
-    Level::second(load, corner).band(corner.limit, i)
+pub(super) fn first_band<V: Vector>(around: Around<V, 6>, i: usize) -> Band<V> {
+    Level::first(around).band(around.limit, i)
+}
+
+/// The second band around an interior corner, which is the face's `i`-th.
+#[inline(always)]
+pub(super) fn second_band<V: Vector>(around: Around<V, 8>, i: usize) -> Band<V> {
+    Level::second(around).band(around.limit, i)
+}
+
+/// The third band around an interior corner, which is the face's `i`-th.
+#[inline(always)]
+pub(super) fn third_band<V: Vector>(around: Around<V, 10>, i: usize) -> Band<V> {
+    Level::third(around).band(around.limit, i)
 }
 
 /// The points of the ring before and after `near`, which are those around the face. Beyond a border they
@@ -162,7 +194,7 @@ fn ends<V: Vector>(
 pub struct Bands<'a, L: Load> {
     load: L,
     corner: Corner<'a, L::Vector>,
-    /// The corner's neighbours at the finest level so far; of no meaning where no level but the first two
+    /// The corner's neighbours at the finest level so far; of no meaning where no level but the first three
     /// was needed.
     ring: Vec<L::Vector>,
     /// As long as `ring`.
@@ -189,9 +221,9 @@ impl<'a, L: Load> Bands<'a, L> {
     #[inline(always)]
     pub(super) fn begin(&mut self, corner: Corner<'a, L::Vector>) {
         self.corner = corner;
-        let Corner { rule, first, centres: [v, to, _], outer, valence, .. } = corner;
+        let Corner { rule, first, centres: [v, to], outer, valence, .. } = corner;
         let level = if rule == VertexRule::Interior {
-            Level::first(self.load, &corner)
+            Level::first(corner.around(self.load))
         } else {
             self.read_ring();
             let ring = &self.ring[..valence];
@@ -236,20 +268,23 @@ impl<'a, L: Load> Bands<'a, L> {
     /// Goes one level finer, towards the corner: one more band is known.
     #[inline(always)]
     pub fn descend(&mut self) {
-        let Corner { rule, weight, first, valence, centres, .. } = self.corner;
-        let is_interior = rule == VertexRule::Interior;
-        if is_interior && self.depths == 1 {
-            self.push(Level::second(self.load, &self.corner));
-            return;
-        }
-        if is_interior && self.depths == 2 {
-            self.read_ring();
-            self.step_ring(centres[0]);
+        let Corner { rule, mask, first, valence, centres, .. } = self.corner;
+        if rule == VertexRule::Interior {
+            match self.depths {
+                1 => return self.push(Level::second(self.corner.around(self.load))),
+                2 => return self.push(Level::third(self.corner.around(self.load))),
+                3 => {
+                    self.read_ring();
+                    self.step_ring(centres[0]);
+                    self.step_ring(centres[1]);
+                }
+                _ => {}
+            }
         }
         let before = self.levels[self.depths - 1];
         self.step_ring(before.net[0]);
         let (v, ring) = (before.to, &self.ring[..valence]);
-        let to = if self.depths == 1 { centres[2] } else { step_centre(rule, weight, v, ring) };
+        let to = step_centre(rule, mask.step, v, ring);
         let ends = ends(rule, [v, to], ring, first, before.finer_ring());
         self.push(before.finer(ends, to));
     }

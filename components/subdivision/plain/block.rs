@@ -1,9 +1,9 @@
 //! Where the points of one subdivision step are kept, in blocks: one for each vertex of a face that is
 //! not regular.
 //!
-//! A block holds the limit of its vertex; then, relative to that limit, the vertex after one step, two
-//! and three, and the ring after one step. So much is read for nearly every place beside the vertex, and
-//! from one stretch of memory.
+//! A block holds the limit of its vertex; then, relative to that limit, the vertex after one step and two,
+//! and the ring after one step. So much is read for nearly every place beside the vertex, and from one
+//! stretch of memory. Where the vertex goes after that follows ([`InteriorMask::eigenvalue`]).
 
 use glam::DVec3;
 use prefetch_index::prefetch_index;
@@ -13,23 +13,28 @@ use super::limit::border_limit;
 use super::patch::Load;
 use super::topology::{InteriorMask, VertexRule};
 
-/// The place in a block of the ring, behind the limit and the vertex after one step, two and three.
-pub(super) const RING: u32 = 4;
+/// The place in a block of the ring, behind the limit and the vertex after one step and two.
+pub(super) const RING: u32 = 3;
 
 /// How many points the block of a vertex of `valence` has.
 pub(super) const fn size(valence: u32) -> u32 {
     RING + valence
 }
 
-/// The points of all blocks, one after the other: three numbers each, and one more at the end so that
-/// four can be read anywhere.
+/// So many numbers from a block's begin on hold all its points, unless its valence is uncommonly large, and
+/// where a number below 128 says, there are always four.
+pub(super) type Stretch = [f64; STRETCH];
+const STRETCH: usize = 128 + 3;
+
+/// The points of all blocks, one after the other: three numbers each, and more at the end so that four can be
+/// read anywhere and a [`Stretch`] from every block's begin on.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Blocks(Vec<f64>);
 
 impl Blocks {
     /// Room for `points` points.
     pub fn new(points: usize) -> Self {
-        Self(vec![0.0; 3 * points + 1])
+        Self(vec![0.0; 3 * points + STRETCH])
     }
 
     /// The point at `place`.
@@ -37,6 +42,13 @@ impl Blocks {
     pub fn point<L: Load>(&self, load: L, place: u32) -> L::Vector {
         let start = 3 * place as usize;
         point(load, &self.0[start..start + 4])
+    }
+
+    /// The numbers of the block that begins at `block` and those behind it.
+    #[inline(always)]
+    pub fn stretch(&self, block: u32) -> &Stretch {
+        let start = 3 * block as usize;
+        self.0[start..].first_chunk().expect("a stretch is behind the last block")
     }
 
     /// The ring of `valence` points of the block that begins at `block`.
@@ -53,40 +65,31 @@ impl Blocks {
         mask: InteriorMask,
         rule: VertexRule,
         (q, ring): (DVec3, &[DVec3]),
-        finer: &mut [Vec<DVec3>; 2],
+        finer: &mut Vec<DVec3>,
     ) {
-        let [first_ring, second_ring] = finer;
         let limit = match rule {
             VertexRule::Interior => weigh(q, ring, mask.limit),
             VertexRule::Border => border_limit(q, ring[0], ring[ring.len() - 1]),
             VertexRule::Corner => q,
         };
-        step_ring(rule, q, ring, first_ring);
-        first_ring.iter_mut().for_each(|p| *p -= limit);
+        step_ring(rule, q, ring, finer);
+        finer.iter_mut().for_each(|p| *p -= limit);
         let first = step_centre(rule, mask.step, q, ring) - limit;
-        let second = step_centre(rule, mask.step, first, first_ring);
-        step_ring(rule, first, first_ring, second_ring);
-        let third = step_centre(rule, mask.step, second, second_ring);
+        let second = step_centre(rule, mask.step, first, finer);
         let start = 3 * place as usize;
         let (block, _) = self.0[start..start + 3 * size(ring.len() as u32) as usize].as_chunks_mut::<3>();
-        let points = [limit, first, second, third].into_iter().chain(first_ring.iter().copied());
+        let points = [limit, first, second].into_iter().chain(finer.iter().copied());
         for (place, p) in block.iter_mut().zip(points) {
             *place = p.to_array();
         }
     }
 
-    /// The points at the head of the block at `place`: its limit, and the vertex after one step, two and
-    /// three.
+    /// The points at the head of the block at `place`: its limit, and the vertex after one step and two.
     #[inline(always)]
     pub fn head<L: Load>(&self, load: L, place: u32) -> [L::Vector; RING as usize] {
         let start = 3 * place as usize;
         let numbers = &self.0[start..start + 3 * RING as usize + 1];
-        [
-            point(load, &numbers[..4]),
-            point(load, &numbers[3..7]),
-            point(load, &numbers[6..10]),
-            point(load, &numbers[9..]),
-        ]
+        [point(load, &numbers[..4]), point(load, &numbers[3..7]), point(load, &numbers[6..])]
     }
 
     /// Asks memory for the block at `place`, without waiting for it. As much as nearly all have: how much
@@ -105,6 +108,14 @@ const LINE: usize = 8;
 /// How many lines the block of a vertex of valence 7 takes, which begins anywhere in a line.
 const USUAL_LINES: usize = (3 * size(7) as usize).div_ceil(LINE);
 
+/// The four numbers at `at` of a stretch.
+#[inline(always)]
+pub(super) fn in_stretch(stretch: &Stretch, at: u8) -> &[f64; 4] {
+    // Nothing for places that there are; known here, it spares looking.
+    let at = usize::from(at & 127);
+    stretch[at..at + 4].first_chunk().expect("there are four numbers")
+}
+
 #[inline(always)]
 fn point<L: Load>(load: L, numbers: &[f64]) -> L::Vector {
     load.load_padded(numbers.first_chunk().expect("there is a number after the last point"))
@@ -121,8 +132,8 @@ impl Ring<'_> {
         point(load, &self.0[3 * i..3 * i + 4])
     }
 
-    /// `N` points in a row of the closed ring of `valence`, from `before` before point `first` on; three
-    /// at most, because a closed ring has at least as many.
+    /// `N` points in a row of the closed ring of `valence`, from `before` before point `first` on; six at most,
+    /// because a closed ring has at least three.
     #[inline(always)]
     pub fn window<L: Load, const N: usize>(
         self,
@@ -132,7 +143,8 @@ impl Ring<'_> {
         before: usize,
     ) -> [L::Vector; N] {
         // In 32 bits, of which four more numbers are known to be no more than there can be.
-        let (end, mut at) = (3 * valence as u32, 3 * (first + valence - before) as u32);
+        let (end, mut at) = (3 * valence as u32, 3 * (first + 2 * valence - before) as u32);
+        at = if at < 2 * end { at } else { at - end };
         at = if at < end { at } else { at - end };
         let mut points = [load.zero(); N];
         for place in &mut points {

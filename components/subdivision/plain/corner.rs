@@ -2,7 +2,7 @@
 
 use super::block::Ring;
 use super::patch::Load;
-use super::topology::VertexRule;
+use super::topology::{InteriorMask, VertexRule};
 use crate::subdivision::boxspline::{Net, Quartic, Vector};
 
 /// A corner of a face, and what subdivision towards it has left behind.
@@ -33,14 +33,26 @@ pub struct CornerPieces<'a, L: Load> {
 pub(super) struct Corner<'a, V> {
     pub rule: VertexRule,
     pub valence: usize,
-    /// What each neighbour of an interior corner weighs under one step.
-    pub weight: f64,
+    /// Of an interior corner.
+    pub mask: InteriorMask,
     /// The place in the ring of the point at (1, 0).
     pub first: usize,
     pub limit: V,
-    /// The corner at the first level, the second and the third.
-    pub centres: [V; 3],
+    /// The corner at the first level and the second.
+    pub centres: [V; 2],
     pub ring: Ring<'a>,
+    pub outer: [V; 5],
+}
+
+/// The first level around an interior corner, and what of the ring is near the face: `N` points in a row, the
+/// two on the face's edges in their middle.
+#[derive(Clone, Copy)]
+pub(super) struct Around<V, const N: usize> {
+    pub limit: V,
+    /// The corner at the first level and the second, and what says where it goes from there ([`next`]).
+    pub centres: [V; 2],
+    pub eigenvalue: f64,
+    pub ring: [V; N],
     pub outer: [V; 5],
 }
 
@@ -66,13 +78,20 @@ impl<V: Vector> Corner<'_, V> {
         Self {
             rule: VertexRule::Interior,
             valence: 0,
-            weight: 0.0,
+            mask: InteriorMask::default(),
             first: 0,
             limit: zero,
-            centres: [zero; 3],
+            centres: [zero; 2],
             ring: Ring::default(),
             outer: [zero; 5],
         }
+    }
+
+    /// What is near the face of an interior corner.
+    #[inline(always)]
+    pub fn around<const N: usize>(&self, load: impl Load<Vector = V>) -> Around<V, N> {
+        let &Corner { mask: InteriorMask { eigenvalue, .. }, valence, first, limit, centres, ring, outer, .. } = self;
+        Around { limit, centres, eigenvalue, ring: ring.window(load, valence, first, N / 2 - 1), outer }
     }
 }
 
@@ -113,6 +132,12 @@ pub(super) fn step_centre<V: Vector>(rule: VertexRule, weight: f64, v: V, ring: 
         VertexRule::Border => (ring[0] + ring[ring.len() - 1]) * 0.125 + v * 0.75,
         VertexRule::Corner => v,
     }
+}
+
+/// Where a vertex is one step after the second of two successive places.
+#[inline(always)]
+pub(super) fn next<V: Vector>([before, v]: [V; 2], eigenvalue: f64) -> V {
+    v + (v - before) * eigenvalue
 }
 
 /// The four points of a ring around (1, 0) and (0, 1), of which `first` is the place of the first;
@@ -165,8 +190,7 @@ fn leave<V: Vector>(lattice: &mut Lattice<V>, corner: V, near: [V; 4], outer: [V
 /// Writes what the first step leaves behind around an interior corner.
 #[inline(always)]
 fn leave_first<L: Load>(load: L, corner: &Corner<'_, L::Vector>, lattice: &mut Lattice<L::Vector>) {
-    let &Corner { valence, first, centres: [v, to, _], ring, outer, .. } = corner;
-    let r: [L::Vector; 6] = ring.window(load, valence, first, 2);
+    let Around { centres: [v, to], ring: r, outer, .. } = corner.around::<6>(load);
     leave(lattice, v, [r[1], r[2], r[3], r[4]], outer, to, between(v, r));
 }
 
@@ -175,16 +199,16 @@ fn leave_first<L: Load>(load: L, corner: &Corner<'_, L::Vector>, lattice: &mut L
 #[inline(always)]
 fn leave_second<L: Load>(
     load: L,
-    &Corner { valence, first, centres, ring, .. }: &Corner<'_, L::Vector>,
+    corner: &Corner<'_, L::Vector>,
     before: &Lattice<L::Vector>,
     lattice: &mut Lattice<L::Vector>,
 ) {
     let [v, n0, n1, n2, n3, z, y, x, w, u, ..] = *before;
-    let r: [L::Vector; 8] = ring.window(load, valence, first, 3);
+    let Around { centres, eigenvalue, ring: r, .. } = corner.around::<8>(load);
     let before = edge_point(centres[0], r[1], r[0], r[2]);
     let after = edge_point(centres[0], r[6], r[5], r[7]);
     let to_near = between(v, [before, n0, n1, n2, n3, after]);
-    leave(lattice, v, [n0, n1, n2, n3], [z, y, x, w, u], centres[2], to_near);
+    leave(lattice, v, [n0, n1, n2, n3], [z, y, x, w, u], next(centres, eigenvalue), to_near);
 }
 
 /// Writes the ring around `v` one step finer.
@@ -225,7 +249,7 @@ impl<'a, L: Load> CornerPieces<'a, L> {
         if self.lattices.is_empty() {
             self.grow();
         }
-        let Corner { rule, first, centres: [v, to, _], outer, .. } = corner;
+        let Corner { rule, first, centres: [v, to], outer, .. } = corner;
         if rule == VertexRule::Interior {
             leave_first(self.load, &corner, &mut self.lattices[0]);
         } else {
@@ -269,7 +293,7 @@ impl<'a, L: Load> CornerPieces<'a, L> {
         if self.lattices.len() == self.depths {
             self.grow();
         }
-        let Corner { rule, weight, first, valence, centres, .. } = self.corner;
+        let Corner { rule, mask, first, valence, centres, .. } = self.corner;
         let [v, n0, n1, n2, n3, z, y, x, w, u, ..] = self.lattices[self.depths - 1];
         if rule == VertexRule::Interior && self.depths == 1 {
             let (first, second) = self.lattices.split_at_mut(1);
@@ -283,7 +307,7 @@ impl<'a, L: Load> CornerPieces<'a, L> {
             core::mem::swap(&mut self.ring, &mut self.spare);
             self.step_ring(centres[1]);
         }
-        let to = step_centre(rule, weight, v, &self.ring[..valence]);
+        let to = step_centre(rule, mask.step, v, &self.ring[..valence]);
         core::mem::swap(&mut self.ring, &mut self.spare);
         self.step_ring(v);
         let to_near = near(rule, to, &self.ring[..valence], first);

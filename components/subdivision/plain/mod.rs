@@ -9,6 +9,7 @@
 mod band;
 mod block;
 mod corner;
+mod finer;
 mod limit;
 mod patch;
 pub mod place;
@@ -20,6 +21,7 @@ use glam::DVec3;
 
 pub use band::{Band, Bands};
 pub use corner::CornerPieces;
+pub use finer::UsualFace;
 pub use limit::vertex_normal;
 pub use patch::{AsStored, Load, PatchReader};
 pub use place::Piece;
@@ -104,7 +106,7 @@ impl PlainLoop {
     fn take_first_step(&mut self) {
         let topology = &*self.topology;
         let mesh = topology.mesh();
-        let (mut ring, mut scratch) = (Vec::new(), <[Vec<DVec3>; 2]>::default());
+        let (mut ring, mut scratch) = (Vec::new(), Vec::new());
         for v in (0..mesh.vertex_count()).map(VertexId::new) {
             if let Some(block) = topology.block(v) {
                 ring.clear();

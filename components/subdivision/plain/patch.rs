@@ -4,11 +4,11 @@ use glam::DVec3;
 use prefetch_index::prefetch_index;
 
 use super::PlainLoop;
-use super::band::{Band, Bands, first_band, second_band};
-use super::block::RING;
-use super::corner::{Corner, CornerPieces, reflect};
+use super::band::{Band, Bands, first_band, second_band, third_band};
+use super::corner::{CornerPieces, reflect};
+use super::finer::{AnyFace, FinerPoints, UsualFace};
 use super::place::{self, DEEPEST, Found, Piece};
-use super::topology::{FinerCorner, NONE, VertexRule};
+use super::topology::{FinerCorner, VertexRule};
 use crate::evaluate::{Jet, SurfacePoint};
 use crate::mesh::{FaceId, HalfedgeId, VertexId};
 use crate::subdivision::boxspline::{Net, Quartic, Vector};
@@ -23,6 +23,16 @@ pub trait Load: Copy {
 
     /// The vector of a point that is stored with a fourth number behind it, of no meaning.
     fn load_padded(self, point: &[f64; 4]) -> Self::Vector;
+
+    /// The vectors of points.
+    #[inline(always)]
+    fn load_all<const N: usize>(self, points: [DVec3; N]) -> [Self::Vector; N] {
+        let mut vectors = [self.zero(); N];
+        for (vector, point) in vectors.iter_mut().zip(points) {
+            *vector = self.load(point);
+        }
+        vectors
+    }
 
     /// The vector of zeros.
     #[inline(always)]
@@ -127,89 +137,6 @@ impl<L: Load> RegularNet<'_, L> {
     }
 }
 
-/// The control points around a face that is not regular, one step finer.
-struct FinerNet<'a, L> {
-    surface: &'a PlainLoop,
-    load: L,
-    corners: &'a [FinerCorner; 3],
-}
-
-impl<'a, L: Load> FinerNet<'a, L> {
-    #[inline(always)]
-    fn stored(&self, place: u32) -> L::Vector {
-        self.surface.finer.point(self.load, place)
-    }
-
-    /// The limit of corner `i`, which the points of its block are relative to; and the vertex there after one
-    /// step, two and three.
-    #[inline(always)]
-    fn head(&self, i: usize) -> [L::Vector; 4] {
-        self.surface.finer.head(self.load, self.corners[i].block)
-    }
-
-    /// The midpoint of the edge from corner `i` to the next, relative to the corner's limit.
-    #[inline(always)]
-    fn edge(&self, i: usize) -> L::Vector {
-        self.stored(self.corners[i].block + RING + self.corners[i].first)
-    }
-
-    /// The control points of the middle quarter. Its coordinates are turned by half a turn.
-    #[inline(always)]
-    fn middle(&self) -> Net<L::Vector> {
-        let [[la, a, ..], [lb, b, ..], [lc, c, ..]] = [self.head(0), self.head(1), self.head(2)];
-        let [a, b, c] = [a + la, b + lb, c + lc];
-        let [ab, bc, ca] = [self.edge(0) + la, self.edge(1) + lb, self.edge(2) + lc];
-        let [a3, b3] = self.beside(0, ab, (a, la, ca), (b, lb, bc));
-        let [b1, c1] = self.beside(1, bc, (b, lb, ab), (c, lc, ca));
-        let [c2, a2] = self.beside(2, ca, (c, lc, bc), (a, la, ab));
-        [bc, ca, ab, c, a, b, b1, c1, c2, a2, a3, b3]
-    }
-
-    /// The midpoints of the two edges of the face across edge `i`, from its far corner to corner `i`
-    /// and to the next. `mid` is the midpoint of edge `i`; `from` and `to` are its ends, each with
-    /// its limit and the midpoint of the face's edge that goes on from there.
-    #[inline(always)]
-    fn beside(
-        &self,
-        i: usize,
-        mid: L::Vector,
-        from: (L::Vector, L::Vector, L::Vector),
-        to: (L::Vector, L::Vector, L::Vector),
-    ) -> [L::Vector; 2] {
-        match self.corners[i].before {
-            NONE => [reflect(mid, from.0, from.2), reflect(mid, to.0, to.2)],
-            before => [self.stored(self.corners[(i + 1) % 3].after) + from.1, self.stored(before) + to.1],
-        }
-    }
-
-    /// Corner `i`.
-    #[inline(always)]
-    fn corner(&self, i: usize) -> Corner<'a, L::Vector> {
-        let FinerCorner { rule, block, valence, first, before, after } = self.corners[i];
-        // Looked up, because for random places no branch on the corner could be foreseen.
-        let (next, last) = ([1, 2, 0][i], [2, 0, 1][i]);
-        let [limit, centres @ ..] = self.head(i);
-        let ([at_next, y, ..], [at_last, w, ..]) = (self.head(next), self.head(last));
-        // From the other corners' limits to this one's.
-        let (of_next, of_last) = (at_next - limit, at_last - limit);
-        let (x, y, w) = (self.edge(next) + of_next, y + of_next, w + of_last);
-        let z = if before == NONE { reflect(self.edge(i), y, x) } else { self.stored(before) + of_next };
-        // The corner's second edge is the face's last.
-        let u = if after == NONE { reflect(self.edge(last) + of_last, w, x) } else { self.stored(after) + of_last };
-        let valence = valence as usize;
-        Corner {
-            rule,
-            valence,
-            weight: self.surface.topology.mask(valence).step,
-            first: first as usize,
-            limit,
-            centres,
-            ring: self.surface.finer.ring(block, valence),
-            outer: [z, y, x, w, u],
-        }
-    }
-}
-
 /// Reads the polynomials of faces and their pieces, calculating with the vectors of `L`.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchReader<'a, L = AsStored> {
@@ -233,7 +160,10 @@ impl<'a, L: Load> PatchReader<'a, L> {
     /// origin is the middle of the edge opposite to the first corner.
     #[inline(always)]
     pub fn middle(&self, face: FaceId) -> Quartic<L::Vector> {
-        Quartic::new(&self.finer(face).middle())
+        match self.usual(face) {
+            Some(face) => face.middle(),
+            None => Quartic { coefficients: self.load.load_all(self.unusual_middle(face).coefficients) },
+        }
     }
 
     /// Scratch for [`Self::corner`].
@@ -244,7 +174,7 @@ impl<'a, L: Load> PatchReader<'a, L> {
     /// Makes `pieces` those around a corner of a face that is not regular, of the first depth.
     #[inline(always)]
     pub fn corner(&self, face: FaceId, corner: u8, pieces: &mut CornerPieces<'a, L>) {
-        pieces.begin(self.finer(face).corner(usize::from(corner)));
+        pieces.begin(self.any(face).corner(usize::from(corner)));
     }
 
     /// Scratch for [`Self::begin`].
@@ -255,27 +185,74 @@ impl<'a, L: Load> PatchReader<'a, L> {
     /// Makes `bands` those around a corner of a face that is not regular, of which the first is known then.
     #[inline(always)]
     pub fn begin(&self, face: FaceId, corner: u8, bands: &mut Bands<'a, L>) {
-        bands.begin(self.finer(face).corner(usize::from(corner)));
+        bands.begin(self.any(face).corner(usize::from(corner)));
     }
 
     /// The first of [`Self::begin`]'s bands without the others; `None` at a corner on a border.
     #[inline(always)]
     pub fn first_band(&self, face: FaceId, corner: usize) -> Option<Band<L::Vector>> {
-        let of_face = self.finer(face);
-        if of_face.corners[corner].rule != VertexRule::Interior {
-            return None;
+        match self.usual(face) {
+            Some(face) => Some(face.first_band(corner)),
+            None => Some(self.unusual_band(face, corner, 0)?.load(self.load)),
         }
-        Some(first_band(self.load, &of_face.corner(corner), corner))
     }
 
     /// As [`Self::first_band`] the second.
     #[inline(always)]
     pub fn second_band(&self, face: FaceId, corner: usize) -> Option<Band<L::Vector>> {
-        let of_face = self.finer(face);
-        if of_face.corners[corner].rule != VertexRule::Interior {
+        match self.usual(face) {
+            Some(face) => Some(face.second_band(corner)),
+            None => Some(self.unusual_band(face, corner, 1)?.load(self.load)),
+        }
+    }
+
+    /// As [`Self::first_band`] the third.
+    #[inline(always)]
+    pub fn third_band(&self, face: FaceId, corner: usize) -> Option<Band<L::Vector>> {
+        match self.usual(face) {
+            Some(face) => Some(face.third_band(corner)),
+            None => Some(self.unusual_band(face, corner, 2)?.load(self.load)),
+        }
+    }
+
+    /// `piece` of `face`, in the piece's own coordinates; of a vertex the tangent plane there.
+    /// [`Piece::WHOLE`] belongs to regular faces, the others to the rest. What was in `scratch` is lost.
+    #[inline(always)]
+    pub fn band(&self, face: FaceId, piece: Piece, scratch: &mut Bands<'a, L>) -> Band<L::Vector> {
+        match piece {
+            Piece::WHOLE => self.plain(self.whole(face)),
+            Piece::MIDDLE => self.plain(self.middle(face)),
+            _ if piece.depth() == DEEPEST => self.plain(self.tangent_plane(face, piece.corner())),
+            _ => {
+                self.begin(face, piece.corner(), scratch);
+                for _ in 0..piece.depth() {
+                    scratch.descend();
+                }
+                scratch.band(piece.depth(), piece.corner())
+            }
+        }
+    }
+
+    /// As [`Self::middle`] beside a border or a large valence.
+    #[cold]
+    #[inline(never)]
+    fn unusual_middle(&self, face: FaceId) -> Quartic<DVec3> {
+        Quartic::new(&PatchReader::new(self.surface, AsStored).any(face).middle_net())
+    }
+
+    /// The band of that depth around an interior corner beside a border or a large valence.
+    #[cold]
+    #[inline(never)]
+    fn unusual_band(&self, face: FaceId, corner: usize, depth: u8) -> Option<Band<DVec3>> {
+        let of_corner = PatchReader::new(self.surface, AsStored).any(face).corner(corner);
+        if of_corner.rule != VertexRule::Interior {
             return None;
         }
-        Some(second_band(self.load, &of_face.corner(corner), corner))
+        Some(match depth {
+            0 => first_band(of_corner.around(AsStored), corner),
+            1 => second_band(of_corner.around(AsStored), corner),
+            _ => third_band(of_corner.around(AsStored), corner),
+        })
     }
 
     /// A piece that is a polynomial alone.
@@ -284,23 +261,42 @@ impl<'a, L: Load> PatchReader<'a, L> {
         Band::plain(self.load, quartic)
     }
 
-    /// Asks memory for what `face` is made of at its corner `corner`, without waiting for it, unless it is
-    /// regular beside a border.
+    /// Asks memory for what `face` is made of, without waiting for it, unless it is regular beside a border.
     #[inline(always)]
-    pub fn prefetch(&self, face: FaceId, corner: usize) {
+    pub fn prefetch(&self, face: FaceId) {
         if let Some(corners) = self.surface.topology.irregular_corners(face) {
-            self.surface.finer.prefetch(corners[corner].block);
+            for corner in corners {
+                self.surface.finer.prefetch(corner.block);
+            }
         } else if let Some(net) = self.surface.topology.net(face) {
-            for v in &net[4 * corner..4 * corner + 4] {
+            for v in net {
                 prefetch_index(&self.surface.points, *v as usize);
             }
         }
     }
 
+    /// Of a face that is not regular which corners are, as
+    /// [`PlainTopology::regular_corners`](super::PlainTopology::regular_corners) says it, and the points around
+    /// it, unless it is on a border or has a corner of a large valence.
     #[inline(always)]
-    fn finer(&self, face: FaceId) -> FinerNet<'a, L> {
-        let corners = self.surface.topology.finer_corners(face);
-        FinerNet { surface: self.surface, load: self.load, corners }
+    pub fn irregular(&self, face: FaceId) -> Option<(u64, Option<UsualFace<'a, L>>)> {
+        let PlainLoop { topology, finer, .. } = self.surface;
+        let corners = topology.irregular_corners(face)?;
+        let usual = UsualFace::new(self.load, topology, finer, corners);
+        Some((FinerCorner::regular_among(corners), usual))
+    }
+
+    #[inline(always)]
+    fn any(&self, face: FaceId) -> AnyFace<'a, L> {
+        let PlainLoop { topology, finer, .. } = self.surface;
+        AnyFace { load: self.load, topology, blocks: finer, corners: topology.finer_corners(face) }
+    }
+
+    /// The points around a face that is not regular, unless it is on a border or has a corner of a large valence.
+    #[inline(always)]
+    fn usual(&self, face: FaceId) -> Option<UsualFace<'a, L>> {
+        let PlainLoop { topology, finer, .. } = self.surface;
+        UsualFace::new(self.load, topology, finer, topology.finer_corners(face))
     }
 
     #[inline(always)]
@@ -337,28 +333,10 @@ impl PlainLoop {
         let (s, t) = place::clamp(at.st.x, at.st.y);
         let regular = topology.regular_corners(at.face).unwrap_or(place::WHOLE);
         let Found { piece, s, t, scale, weights } = place::in_face(s, t, regular);
-        let band = self.band(at.face, Piece::from_index(piece as usize));
+        let reader = PatchReader::new(self, AsStored);
+        let band = reader.band(at.face, Piece::from_index(piece as usize), &mut reader.no_bands());
         let [position, ds, dt] = band.with_derivatives(s, t, weights);
         Jet { position, ds: ds * scale, dt: dt * scale }
-    }
-
-    /// `piece` of `face`, in the piece's own coordinates; of a vertex the tangent plane there.
-    /// [`Piece::WHOLE`] belongs to regular faces, the others to the rest.
-    fn band(&self, face: FaceId, piece: Piece) -> Band<DVec3> {
-        let reader = PatchReader::new(self, AsStored);
-        match piece {
-            Piece::WHOLE => reader.plain(reader.whole(face)),
-            Piece::MIDDLE => reader.plain(reader.middle(face)),
-            _ if piece.depth() == DEEPEST => reader.plain(reader.tangent_plane(face, piece.corner())),
-            _ => {
-                let mut bands = reader.no_bands();
-                reader.begin(face, piece.corner(), &mut bands);
-                for _ in 0..piece.depth() {
-                    bands.descend();
-                }
-                bands.band(piece.depth(), piece.corner())
-            }
-        }
     }
 
     /// The control points of a regular face; beyond borders, their phantoms. `None` where

@@ -66,15 +66,21 @@ pub struct Found {
     /// How much faster than the face's these run: a power of two, negative where they are turned by half
     /// a turn.
     pub scale: f64,
-    /// What the excess of a band weighs there, and in the derivatives by the piece's coordinates; zero
-    /// where there is none.
+    /// What the excess of a band weighs there, and in the derivatives by the piece's coordinates; zero in a
+    /// whole face and around a regular corner, of no meaning in other pieces that have none.
     pub weights: [f64; 3],
+}
+
+/// Is `(s, t)` in the unit triangle?
+#[inline(always)]
+pub fn is_inside(s: f64, t: f64) -> bool {
+    (s >= 0.0) & (t >= 0.0) & (s + t <= 1.0)
 }
 
 /// Puts `(s, t)` into the unit triangle. What is not a number becomes 0.
 #[inline(always)]
 pub fn clamp(s: f64, t: f64) -> (f64, f64) {
-    if s >= 0.0 && t >= 0.0 && s + t <= 1.0 { (s, t) } else { clamp_outside(s, t) }
+    if is_inside(s, t) { (s, t) } else { clamp_outside(s, t) }
 }
 
 #[cold]
@@ -123,7 +129,6 @@ pub fn in_face(s: f64, t: f64, regular: u64) -> Found {
 
     let (at_corner, all) = (first | second | third, regular == WHOLE);
     let [weight, by_c, by_a, by_b] = weigh_excess(a, b, c);
-    let is_plain = all | !at_corner | whole | at_vertex;
     // By the weights of the face's corners in turn.
     let by = [[by_c, by_b, by_a], [by_a, by_c, by_b], [by_b, by_a, by_c]].map(|by| pick(first, second, by));
     Found {
@@ -131,7 +136,7 @@ pub fn in_face(s: f64, t: f64, regular: u64) -> Found {
         s: pick(all, at_corner, [s, s_there, 1.0 - 2.0 * s]),
         t: pick(all, at_corner, [t, t_there, 1.0 - 2.0 * t]),
         scale: pick(all, at_corner, [1.0, scale_there, -2.0]),
-        weights: [weight, by[1] - by[0], by[2] - by[0]].map(|weight| if is_plain { 0.0 } else { weight }),
+        weights: [weight, by[1] - by[0], by[2] - by[0]].map(|weight| if all | whole { 0.0 } else { weight }),
     }
 }
 

@@ -82,40 +82,105 @@ pub struct PlainTopology {
     blocks: Vec<u32>,
     /// How many points all blocks have.
     finer_points: u32,
-    /// For each valence up to the largest: the masks of an interior vertex.
+    /// For each valence up to the largest, and [`USUAL_MASKS`] at least: the masks of an interior vertex.
     masks: Vec<InteriorMask>,
 }
+
+/// So many masks there always are: no look is needed whether one of a smaller valence is there.
+pub(super) const USUAL_MASKS: usize = 32;
 
 /// Weights of each neighbour of an interior vertex, under one step and in the limit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct InteriorMask {
     pub step: f64,
     pub limit: f64,
+    /// That of a step of the vertex and its ring's mean, beside 1: each way of the vertex, from one step to the
+    /// next, is this times the one before.
+    pub eigenvalue: f64,
 }
 
-/// Where the finer points around a corner of a face that is not regular are kept: in the blocks of
-/// the face's own corners.
+impl InteriorMask {
+    /// The mask of valence `k`.
+    fn new(k: u32) -> Self {
+        let step = masks::neighbour_weight(k);
+        Self { step, limit: masks::limit_weight(k), eigenvalue: 0.625 - f64::from(k) * step }
+    }
+}
+
+/// Where the finer points of a corner of a face that is not regular are kept, and how the face lies there.
+/// Small, because faces are many: what else a corner needs stands in its face's other blocks, at places that
+/// follow from these.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FinerCorner {
-    pub rule: VertexRule,
     /// The corner's own block.
     pub block: u32,
-    pub valence: u32,
     /// The place in the ring of the midpoint of the edge to the face's next corner.
     pub first: u32,
-    /// The midpoint of the edge from the next corner to the far vertex across the edge between;
-    /// [`NONE`] across a border.
-    pub before: u32,
-    /// The midpoint of the edge from the corner after next to the far vertex across the edge
-    /// between; [`NONE`] across a border.
-    pub after: u32,
+    /// The valence; at a border with a mark in the two highest bits.
+    kind: u32,
 }
 
+/// The marks of a border in [`FinerCorner::kind`]. Valences are below: 32 bits do not number the points around
+/// a larger one ([`PlainError::TooLarge`]).
+const BORDER: u32 = 1 << 30;
+const CORNER: u32 = 1 << 31;
+
 impl FinerCorner {
+    fn new(rule: VertexRule, block: u32, valence: u32, first: u32) -> Self {
+        let mark = match rule {
+            VertexRule::Interior => 0,
+            VertexRule::Border => BORDER,
+            VertexRule::Corner => CORNER,
+        };
+        Self { block, first, kind: valence | mark }
+    }
+
+    #[inline(always)]
+    pub fn rule(self) -> VertexRule {
+        match self.kind & (BORDER | CORNER) {
+            0 => VertexRule::Interior,
+            BORDER => VertexRule::Border,
+            _ => VertexRule::Corner,
+        }
+    }
+
+    #[inline(always)]
+    pub fn valence(self) -> u32 {
+        self.kind & !(BORDER | CORNER)
+    }
+
+    /// Are all three interior vertices of valences below `end`, a power of two?
+    #[inline(always)]
+    pub fn are_interior_below([a, b, c]: &[Self; 3], end: u32) -> bool {
+        a.kind | b.kind | c.kind < end
+    }
+
     /// Is it an interior vertex of valence 6?
     #[inline(always)]
     fn is_regular(&self) -> bool {
-        self.rule == VertexRule::Interior && self.valence == 6
+        self.kind == 6
+    }
+
+    /// Which are, of the corners of a face, as [`PlainTopology::regular_corners`] says it.
+    #[inline(always)]
+    pub fn regular_among([a, b, c]: &[Self; 3]) -> u64 {
+        u64::from(a.is_regular()) | u64::from(b.is_regular()) << 1 | u64::from(c.is_regular()) << 2
+    }
+
+    /// Where the point of the ring is that stands `after` places after the face's first there; `None` beyond
+    /// a border.
+    #[inline(always)]
+    pub fn ring_point(self, after: i32) -> Option<u32> {
+        let (k, at) = (self.valence() as i32, self.first as i32 + after);
+        let beyond = if at < 0 {
+            k
+        } else if at >= k {
+            -k
+        } else {
+            0
+        };
+        let is_there = beyond == 0 || self.rule() == VertexRule::Interior;
+        is_there.then(|| self.block + block::RING + (at + beyond) as u32)
     }
 }
 
@@ -177,8 +242,7 @@ impl PlainTopology {
     /// count, not those on borders. `None` of a face that is regular itself.
     #[inline(always)]
     pub fn regular_corners(&self, face: FaceId) -> Option<u64> {
-        let [a, b, c] = self.corners.get(self.faces[face.index()] as usize)?;
-        Some(u64::from(a.is_regular()) | u64::from(b.is_regular()) << 1 | u64::from(c.is_regular()) << 2)
+        self.irregular_corners(face).map(FinerCorner::regular_among)
     }
 
     /// The corners of a face, unless it is regular.
@@ -214,6 +278,12 @@ impl PlainTopology {
     #[inline]
     pub(super) fn mask(&self, valence: usize) -> InteriorMask {
         self.masks[valence]
+    }
+
+    /// Those of valences below [`USUAL_MASKS`]; of no meaning for those that do not occur in the mesh.
+    #[inline]
+    pub(super) fn usual_masks(&self) -> &[InteriorMask; USUAL_MASKS] {
+        self.masks.first_chunk().expect("there always are so many")
     }
 }
 
@@ -255,7 +325,7 @@ fn regular_net(mesh: &Connectivity, face: FaceId) -> Option<[u32; 12]> {
 
 /// Computed once for each valence that occurs: a cosine costs more than the sum it weighs.
 fn interior_masks(mesh: &Connectivity) -> Vec<InteriorMask> {
-    let mut masks = Vec::new();
+    let mut masks = vec![InteriorMask::default(); USUAL_MASKS];
     for v in (0..mesh.vertex_count()).map(VertexId::new) {
         let k = mesh.valence(v);
         if masks.len() <= k as usize {
@@ -263,7 +333,7 @@ fn interior_masks(mesh: &Connectivity) -> Vec<InteriorMask> {
         }
         let mask = &mut masks[k as usize];
         if mask.step == 0.0 {
-            *mask = InteriorMask { step: masks::neighbour_weight(k), limit: masks::limit_weight(k) };
+            *mask = InteriorMask::new(k);
         }
     }
     masks
@@ -300,20 +370,8 @@ fn finer_corners(mesh: &Connectivity, rules: &[VertexRule], faces: &[u32], block
     }
     let corner = |h: HalfedgeId| {
         let v = mesh.from(h);
-        FinerCorner {
-            rule: rules[v.index()],
-            block: blocks[v.index()],
-            valence: mesh.valence(v),
-            first: slots[h.index()] - blocks[v.index()] - block::RING,
-            // The one after the twin, which leaves the next corner, in the ring there.
-            before: mesh.twin(h).map_or(NONE, |twin| {
-                let next = mesh.from(twin);
-                let (after, first) = (slots[twin.index()] + 1, blocks[next.index()] + block::RING);
-                let end = first + mesh.valence(next);
-                if after < end { after } else { first }
-            }),
-            after: mesh.twin(h.previous()).map_or(NONE, |twin| slots[twin.next().index()]),
-        }
+        let block = blocks[v.index()];
+        FinerCorner::new(rules[v.index()], block, mesh.valence(v), slots[h.index()] - block - block::RING)
     };
     let faces = (0..mesh.face_count()).filter(|&f| !is_regular(faces[f])).map(FaceId::new);
     faces.map(|f| [0, 1, 2].map(|i| corner(HalfedgeId::of(f, i)))).collect()

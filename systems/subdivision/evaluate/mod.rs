@@ -13,7 +13,7 @@ use thiserror::Error;
 
 use super::lanes::{AsLanes, Store};
 use crate::parallel;
-use worker::{Located, Put, Worker};
+use worker::{BLOCK, Located, Put, Worker};
 
 mod spread;
 mod worker;
@@ -73,6 +73,11 @@ fn check(surface: &PlainLoop, places: &[SurfacePoint], jets: &[Jet]) -> Result<(
         return Err(EvaluateError::Length { places: places.len(), results: jets.len() });
     }
     let faces = surface.topology().mesh().face_count();
+    // The largest alone is found faster than the first that is too large.
+    let largest = places.iter().fold(0, |largest, place| place.face.index().max(largest));
+    if places.is_empty() || largest < faces {
+        return Ok(());
+    }
     match places.iter().position(|p| p.face.index() >= faces) {
         Some(place) => Err(EvaluateError::NoSuchFace { place, face: places[place].face, faces }),
         None => Ok(()),
@@ -151,7 +156,8 @@ struct Scattered<'a, 'b> {
 }
 
 impl Put for Scattered<'_, '_> {
-    const CROWDED: usize = 12;
+    /// None has so many: what stands in the way of writes anywhere is better all made before.
+    const CROWDED: usize = BLOCK + 1;
 
     #[inline(always)]
     fn put(&mut self, index: usize, jet: Jet) {
@@ -168,7 +174,7 @@ impl Put for Scattered<'_, '_> {
 struct InOrder<'a>(&'a mut [Jet]);
 
 impl Put for InOrder<'_> {
-    const CROWDED: usize = 3;
+    const CROWDED: usize = 40;
 
     #[inline(always)]
     fn put(&mut self, index: usize, jet: Jet) {

@@ -1,11 +1,12 @@
 //! Evaluates places in turn; what one face is made of is made once, as far as its places need it.
 
+use prefetch_index::prefetch_index;
 use selvedge_components::evaluate::Jet;
 use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::PlainLoop;
 use selvedge_components::subdivision::boxspline::Quartic;
 use selvedge_components::subdivision::plain::place::{self, DEEPEST, Found};
-use selvedge_components::subdivision::plain::{Band, Bands, PatchReader, Piece};
+use selvedge_components::subdivision::plain::{Band, Bands, PatchReader, Piece, UsualFace};
 
 use super::super::lanes::Store;
 use super::spread::Spread;
@@ -18,7 +19,8 @@ pub(super) trait Located {
 
 /// Where results go.
 pub(super) trait Put {
-    /// From as many places to a face on it is faster to make polynomials as places come.
+    /// From as many places of a block to a face on it is faster to make polynomials as places come: what the
+    /// block before has made serves again.
     const CROWDED: usize;
 
     /// Takes the result of the `index`-th place.
@@ -36,7 +38,8 @@ pub(super) const BLOCK: usize = 64;
 ///
 /// How many places share a face, and which of its pieces each lies in, cannot be foreseen: nothing
 /// branches on it but the making of a polynomial.
-pub(super) struct Block {
+#[repr(align(64))]
+pub(super) struct Block<'a, L> {
     s: [f64; BLOCK],
     t: [f64; BLOCK],
     /// Which run of places with one face each is in.
@@ -44,6 +47,8 @@ pub(super) struct Block {
     /// The first place of each run; the first `runs` count.
     starts: [u8; BLOCK],
     runs: usize,
+    /// By run, the points around the face, `None` of an unusual one; of no meaning of a regular one.
+    usual: [Option<UsualFace<'a, L>>; BLOCK],
     /// By run, which corners of the face are regular; [`place::WHOLE`] if all of it is.
     corners: [u64; BLOCK],
     /// By place, the same.
@@ -57,42 +62,32 @@ pub(super) struct Block {
     weights: [[f64; BLOCK]; 3],
 }
 
-/// What is to be asked for while something else is in work: corner by corner, so that memory is never asked
-/// for more than it can bring.
+/// What is to be asked for while something else is in work: face by face, so that memory is never asked for
+/// more than it can bring.
 pub(super) struct Ahead<'a, P> {
-    block: &'a Block,
+    starts: &'a [u8],
     places: &'a [P],
-    run: usize,
-    corner: usize,
 }
 
 impl<P: Located> Ahead<'_, P> {
-    /// Asks for the next corner.
+    /// Asks for what the next face is made of; says whether there was one.
     #[inline(always)]
-    pub fn step<L: Store>(&mut self, reader: &PatchReader<'_, L>) {
-        if self.run < self.block.runs {
-            let place = usize::from(self.block.starts[self.run % BLOCK]);
-            reader.prefetch(self.places[place].face(), self.corner);
-            (self.run, self.corner) = if self.corner < 2 { (self.run, self.corner + 1) } else { (self.run + 1, 0) };
-        }
-    }
-
-    /// Asks for all that is left.
-    #[inline(always)]
-    pub fn finish<L: Store>(&mut self, reader: &PatchReader<'_, L>) {
-        while self.run < self.block.runs {
-            self.step(reader);
-        }
+    pub fn step<L: Store>(&mut self, reader: &PatchReader<'_, L>) -> bool {
+        let Some((&place, rest)) = self.starts.split_first() else { return false };
+        reader.prefetch(self.places[usize::from(place)].face());
+        self.starts = rest;
+        true
     }
 }
 
-impl Block {
+impl<'a, L: Store> Block<'a, L> {
     const EMPTY: Self = Self {
         s: [0.0; BLOCK],
         t: [0.0; BLOCK],
         run: [0; BLOCK],
         starts: [0; BLOCK],
         runs: 0,
+        usual: [const { None }; BLOCK],
         corners: [0; BLOCK],
         regular: [0; BLOCK],
         piece: [0; BLOCK],
@@ -112,8 +107,7 @@ impl Block {
         let mut run = 0_usize;
         self.starts[0] = 0;
         for (i, place) in places.iter().enumerate().take(BLOCK) {
-            let (s, t) = place.st();
-            (self.s[i], self.t[i]) = place::clamp(s, t);
+            (self.s[i], self.t[i]) = place.st();
             run += usize::from(place.face() != last);
             last = place.face();
             self.run[i] = run as u8;
@@ -123,6 +117,27 @@ impl Block {
         // A run of its own for each place: the last has written beyond the end, to the front.
         self.starts[0] = 0;
         self.runs = run + 1;
+        self.clamp();
+    }
+
+    /// Puts all places into their faces. Whether any is outside is looked at first, in lanes.
+    #[inline(always)]
+    fn clamp(&mut self) {
+        let mut outside = 0;
+        for (&s, &t) in self.s.iter().zip(&self.t) {
+            outside |= u64::from(!place::is_inside(s, t));
+        }
+        if outside != 0 {
+            for (s, t) in self.s.iter_mut().zip(&mut self.t) {
+                (*s, *t) = place::clamp(*s, *t);
+            }
+        }
+    }
+
+    /// The points around the face of place `i`, which is not regular; `None` of an unusual one.
+    #[inline(always)]
+    pub fn around(&self, i: usize) -> &Option<UsualFace<'a, L>> {
+        &self.usual[usize::from(self.run[i % BLOCK]) % BLOCK]
     }
 
     #[inline(always)]
@@ -138,6 +153,16 @@ impl Block {
     }
 }
 
+/// Asks for the places of the block from `first` on. The machine asks for what is read in a row by itself, but
+/// stops at the end of a page, and a block is read at one go.
+#[inline(always)]
+fn prefetch_places<P>(places: &[P], first: usize) {
+    let in_a_line = (64 / size_of::<P>()).max(1);
+    for place in (first..first + BLOCK).step_by(in_a_line) {
+        prefetch_index(places, place);
+    }
+}
+
 /// A piece of the `face`-th face.
 #[derive(Clone, Copy)]
 struct Made<V> {
@@ -146,7 +171,6 @@ struct Made<V> {
 }
 
 const MIDDLE: usize = Piece::MIDDLE.index();
-const WHOLE: usize = Piece::WHOLE.index();
 const FIRST_0: usize = Piece::new(0, 0).index();
 const FIRST_1: usize = Piece::new(1, 0).index();
 const FIRST_2: usize = Piece::new(2, 0).index();
@@ -154,21 +178,13 @@ const SECOND_0: usize = Piece::new(0, 1).index();
 const SECOND_1: usize = Piece::new(1, 1).index();
 const SECOND_2: usize = Piece::new(2, 1).index();
 
-/// Puts a band, if there is one, where it belongs; says whether there is.
-#[inline(always)]
-fn fill<V>(band: Option<Band<V>>, place: &mut Band<V>) -> bool {
-    let Some(band) = band else { return false };
-    *place = band;
-    true
-}
-
 /// Evaluates places in turn; scratch is kept between faces.
 pub(super) struct Worker<'a, L: Store> {
     store: L,
     surface: &'a PlainLoop,
     reader: PatchReader<'a, L>,
     /// The places in work and those after them, in turn.
-    blocks: [Block; 2],
+    blocks: [Block<'a, L>; 2],
     /// Of the face of that number.
     corners: [(u64, Bands<'a, L>); 3],
     /// By the index of a piece.
@@ -194,19 +210,20 @@ impl<'a, L: Store> Worker<'a, L> {
         let irregular = self.surface.topology().irregular_count() > 0;
         let mut ahead = places.chunks(BLOCK);
         self.blocks[0].read(ahead.next().unwrap_or(&[]));
-        for (number, places) in places.chunks(BLOCK).enumerate() {
+        for (number, block) in places.chunks(BLOCK).enumerate() {
             let next = ahead.next().unwrap_or(&[]);
+            prefetch_places(places, BLOCK * (number + 3));
             self.blocks[(number + 1) % 2].read(next);
-            if irregular && self.find_pieces(number, places) {
-                if places.len() < Q::CROWDED * self.blocks[number % 2].runs {
-                    self.spread(number, places, next, put);
+            if irregular && self.find_pieces(number, block) {
+                if block.len() < Q::CROWDED * self.blocks[number % 2].runs {
+                    self.spread(number, block, next, put);
                 } else {
-                    self.crowded(number, places, next, put);
+                    self.crowded(number, block, next, put);
                 }
             } else {
-                self.regular(number, places, next, put);
+                self.regular(number, block, next, put);
             }
-            let goes_on = places.last().map(Located::face) == next.first().map(Located::face);
+            let goes_on = block.last().map(Located::face) == next.first().map(Located::face);
             self.face += self.blocks[number % 2].runs as u64 - u64::from(goes_on);
         }
     }
@@ -216,22 +233,23 @@ impl<'a, L: Store> Worker<'a, L> {
     fn prefetch(&self, run: usize, number: usize, places: &[impl Located]) {
         let block = &self.blocks[number % 2];
         if run < block.runs {
-            for corner in 0..3 {
-                self.reader.prefetch(places[usize::from(block.starts[run])].face(), corner);
-            }
+            self.reader.prefetch(places[usize::from(block.starts[run])].face());
         }
     }
 
     /// Finds the pieces in which the places of a block lie, unless all its faces are regular.
     #[inline(always)]
     fn find_pieces(&mut self, number: usize, places: &[impl Located]) -> bool {
-        let topology = self.surface.topology();
         let block = &mut self.blocks[number % 2];
         let mut irregular = false;
-        for (corners, &start) in block.corners.iter_mut().zip(&block.starts[..block.runs]) {
-            let of_face = topology.regular_corners(places[usize::from(start)].face());
-            *corners = of_face.unwrap_or(place::WHOLE);
-            irregular |= of_face.is_some();
+        for run in 0..block.runs.min(BLOCK) {
+            let face = places[usize::from(block.starts[run])].face();
+            block.corners[run] = place::WHOLE;
+            if let Some((corners, usual)) = self.reader.irregular(face) {
+                block.corners[run] = corners;
+                block.usual[run] = usual;
+                irregular = true;
+            }
         }
         if irregular {
             block.find_pieces();
@@ -261,7 +279,8 @@ impl<'a, L: Store> Worker<'a, L> {
     #[inline(always)]
     fn spread<P: Located>(&mut self, number: usize, places: &[P], next: &[P], put: &mut impl Put) {
         let first = BLOCK * number;
-        let ahead = Ahead { block: &self.blocks[(number + 1) % 2], places: next, run: 0, corner: 0 };
+        let after = &self.blocks[(number + 1) % 2];
+        let ahead = Ahead { starts: &after.starts[..after.runs], places: next };
         self.spread.make(&self.blocks[number % 2], places, ahead);
         let block = &self.blocks[number % 2];
         for i in 0..places.len().min(BLOCK) {
@@ -285,43 +304,45 @@ impl<'a, L: Store> Worker<'a, L> {
             let block = &self.blocks[number % 2];
             let (piece, face) = (block.piece[i] as usize, self.face + u64::from(block.run[i]));
             if self.pieces.get(piece).is_none_or(|made| made.face != face) {
-                self.make(place.face(), face, piece);
+                self.make(place.face(), *block.around(i), face, piece);
             }
             put.put(first + i, self.in_band(&self.pieces[piece].band, &self.blocks[number % 2], i));
         }
     }
 
-    /// Makes a piece of `face`, which is the `number`-th.
+    /// Makes a piece of `face`, which is the `number`-th, with the points `around` it if it is a usual one.
     ///
     /// Which comes next cannot be foreseen: one jump leads to code in which nothing depends on it any more.
     #[inline(always)]
-    fn make(&mut self, face: FaceId, number: u64, index: usize) {
+    fn make(&mut self, face: FaceId, around: Option<UsualFace<'a, L>>, number: u64, index: usize) {
         if self.pieces.len() <= index {
             self.grow(index);
         }
-        let (reader, made) = (self.reader, &mut self.pieces[index]);
+        let made = &mut self.pieces[index];
         made.face = number;
+        let Some(around) = around else { return self.make_any(face, number, index) };
         // Each where it is made: a polynomial is too large to be handed around.
-        let is_made = match index {
-            MIDDLE => fill(Some(reader.plain(reader.middle(face))), &mut made.band),
-            WHOLE => fill(Some(reader.plain(reader.whole(face))), &mut made.band),
-            FIRST_0 => fill(reader.first_band(face, 0), &mut made.band),
-            FIRST_1 => fill(reader.first_band(face, 1), &mut made.band),
-            FIRST_2 => fill(reader.first_band(face, 2), &mut made.band),
-            SECOND_0 => fill(reader.second_band(face, 0), &mut made.band),
-            SECOND_1 => fill(reader.second_band(face, 1), &mut made.band),
-            SECOND_2 => fill(reader.second_band(face, 2), &mut made.band),
-            _ => false,
-        };
-        if !is_made {
-            self.make_around(face, number, index);
+        match index {
+            MIDDLE => made.band = self.reader.plain(around.middle()),
+            FIRST_0 => made.band = around.first_band(0),
+            FIRST_1 => made.band = around.first_band(1),
+            FIRST_2 => made.band = around.first_band(2),
+            SECOND_0 => made.band = around.second_band(0),
+            SECOND_1 => made.band = around.second_band(1),
+            SECOND_2 => made.band = around.second_band(2),
+            _ => self.make_any(face, number, index),
         }
     }
 
-    /// Makes any band around a corner, or its vertex.
+    /// As [`Self::make`] any piece of any face.
     #[inline(always)]
-    fn make_around(&mut self, face: FaceId, number: u64, index: usize) {
+    fn make_any(&mut self, face: FaceId, number: u64, index: usize) {
         let piece = Piece::from_index(index);
+        match piece {
+            Piece::WHOLE => return self.pieces[index].band = self.reader.plain(self.reader.whole(face)),
+            Piece::MIDDLE => return self.pieces[index].band = self.reader.plain(self.reader.middle(face)),
+            _ => {}
+        }
         if piece.depth() == DEEPEST {
             self.pieces[index].band = self.reader.plain(self.reader.tangent_plane(face, piece.corner()));
             return;
@@ -346,7 +367,7 @@ impl<'a, L: Store> Worker<'a, L> {
 
     /// The value at the `i`-th place of `block`, which lies in `band`.
     #[inline(always)]
-    fn in_band(&self, band: &Band<L::Vector>, block: &Block, i: usize) -> Jet {
+    fn in_band(&self, band: &Band<L::Vector>, block: &Block<'a, L>, i: usize) -> Jet {
         let weights = [block.weights[0][i], block.weights[1][i], block.weights[2][i]];
         self.jet(band.with_derivatives(block.piece_s[i], block.piece_t[i], weights), block.scale[i])
     }

@@ -138,6 +138,9 @@ pub fn zoo() -> Vec<(String, Cage)> {
         ("triangle, one corner".to_owned(), triangle(&[1])),
         ("triangle, three corners".to_owned(), triangle(&[0, 1, 2])),
         ("tetrahedron".to_owned(), bipyramid(3)),
+        // Beyond usual valences, and just not.
+        ("bipyramid 32".to_owned(), bipyramid(32)),
+        ("bipyramid 31".to_owned(), bipyramid(31)),
         ("sheet".to_owned(), sheet(4, 3, &[])),
         ("sheet, four corners".to_owned(), sheet(4, 3, &[0, 3, 16, 19])),
         ("strip".to_owned(), sheet(5, 1, &[])),

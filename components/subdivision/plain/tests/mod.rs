@@ -117,7 +117,7 @@ fn in_band(quarter: u8, u: f64, v: f64) -> (f64, f64, f64) {
     }
 }
 
-/// The first two bands alone are those of the whole row of them; there are none alone on borders.
+/// The first three bands alone are those of the whole row of them; there are none alone on borders.
 #[test]
 fn early_bands_are_the_first_of_all() {
     for (name, cage) in zoo() {
@@ -128,9 +128,10 @@ fn early_bands_are_the_first_of_all() {
         for (face, corner) in faces.flat_map(|f| [0, 1, 2].map(|corner| (f, corner))) {
             reader.begin(face, corner, &mut bands);
             bands.descend();
+            bands.descend();
             let i = usize::from(corner);
             let v = surface.topology().mesh().face(face)[i];
-            let early = [reader.first_band(face, i), reader.second_band(face, i)];
+            let early = [reader.first_band(face, i), reader.second_band(face, i), reader.third_band(face, i)];
             assert_eq!(early[0].is_some(), surface.topology().rule(v) == VertexRule::Interior, "{name}");
             let bits = |band: Band<DVec3>| format!("{band:?}");
             for (depth, band) in early.into_iter().enumerate().filter_map(|(i, band)| Some((i as u8, band?))) {
