@@ -10,9 +10,19 @@ use core::ops::{Add, Div, Mul, Sub};
 
 use bytemuck::{cast, cast_slice, cast_slice_mut};
 use glam::DVec3;
-use pulp::{Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 use selvedge_components::subdivision::boxspline::{Quartic, Vector, horner_jet, horner_position};
 use selvedge_components::subdivision::plain::{AsStored, Load};
+
+/// What this machine has of up to four lanes. For a grid of points eight gain nothing over four: its rows are
+/// short, and a point has three coordinates.
+pub(super) fn four() -> Arch {
+    match Arch::new() {
+        #[cfg(target_arch = "x86_64")]
+        Arch::V4(eight) => Arch::V3(*eight),
+        arch => arch,
+    }
+}
 
 /// One number in every lane.
 #[derive(Clone, Copy)]

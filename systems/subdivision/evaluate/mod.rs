@@ -51,7 +51,7 @@ pub fn jets(surface: &PlainLoop, places: &[SurfacePoint], jets: &mut [Jet]) -> R
     over_chunks(chunk_size(surface, places.len()), places, jets, |places, jets| {
         let records = &sort_by_face(places, surface.topology().mesh().face_count());
 
-        Arch::new().dispatch(Scatter { surface, records, jets });
+        dispatch(Scatter { surface, records, jets });
     });
     Ok(())
 }
@@ -64,7 +64,7 @@ pub fn jets(surface: &PlainLoop, places: &[SurfacePoint], jets: &mut [Jet]) -> R
 pub fn jets_by_face(surface: &PlainLoop, places: &[SurfacePoint], jets: &mut [Jet]) -> Result<(), EvaluateError> {
     check(surface, places, jets)?;
     let size = places.len().div_ceil(parallel::threads()).max(FEWEST);
-    over_chunks(size, places, jets, |places, jets| Arch::new().dispatch(Follow { surface, places, jets }));
+    over_chunks(size, places, jets, |places, jets| dispatch(Follow { surface, places, jets }));
     Ok(())
 }
 
@@ -186,6 +186,30 @@ impl Put for InOrder<'_> {
     #[inline(always)]
     fn prefetch(&self, index: usize) {
         prefetch_index(&*self.0, index);
+    }
+}
+
+/// Runs `work` compiled for this machine. The coordinates of a point fill four lanes, whatever the machine has:
+/// compiled for one that has eight, the same work has twice the registers, and loops over places fill them.
+fn dispatch<W: WithSimd<Output = ()>>(work: W) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(eight) = pulp::x86::V4::try_new() {
+        return eight.vectorize(InFour(*eight, work));
+    }
+    Arch::new().dispatch(work);
+}
+
+/// Work in four lanes of eight.
+#[cfg(target_arch = "x86_64")]
+struct InFour<W>(pulp::x86::V3, W);
+
+#[cfg(target_arch = "x86_64")]
+impl<W: WithSimd<Output = ()>> pulp::NullaryFnOnce for InFour<W> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.1.with_simd(self.0);
     }
 }
 

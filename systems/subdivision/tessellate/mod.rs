@@ -16,6 +16,8 @@ use selvedge_components::mesh::Connectivity;
 use selvedge_components::subdivision::{Lattice, PlainLoop, TooFine};
 use thiserror::Error;
 
+use super::lanes;
+
 pub use fill::Faces;
 use fill::{Grids, Pass};
 use sample::{Normal, Position, Sample};
@@ -64,7 +66,7 @@ impl Tessellator {
     /// [`TessellateError::TooFine`].
     pub fn new(mesh: &Connectivity, level: u32) -> Result<Self, TessellateError> {
         let lattice = Lattice::new(mesh, level)?;
-        Ok(Self { lattice, faces: mesh.face_count(), grids: Grids::new(&lattice), arch: Arch::new() })
+        Ok(Self { lattice, faces: mesh.face_count(), grids: Grids::new(&lattice), arch: lanes::four() })
     }
 
     /// How the vertices are numbered.
