@@ -61,6 +61,8 @@ enum State {
 struct Thin {
     /// See [`Slivers::worst`].
     worst: f64,
+    /// See [`Slivers::worst_at`].
+    worst_at: Option<Near>,
     remeshed: Box<Remeshed>,
 }
 
@@ -86,6 +88,13 @@ pub enum RelaxQuantum {
 
 /// How often a cage is made finer for slivers alone: each time costs as much as all before it.
 const SLIVER_TRIES: u32 = 5;
+
+/// The worst shape that a triangle of a strip may have. The smallest angle allowed between curves leaves four
+/// times that at the tip of a wedge.
+const WORST: f64 = 0.01;
+
+/// What is said of a cage whose strips have slivers.
+const SLIVERS: &str = "too coarse for triangles of any width";
 
 impl RemeshWork {
     /// Begins to cut `surface` along curves, whose pre-images on it are given in the order of the
@@ -142,7 +151,8 @@ impl RemeshWork {
 
     /// Goes back to the best cage with slivers, if there is one, where a finer one is not to be had.
     fn fall_back(&mut self, why: RemeshError) -> Result<(), RemeshError> {
-        self.state = State::Settled(self.thin.1.take().ok_or(why)?.remeshed);
+        let best = self.thin.1.take().filter(|best| best.worst >= WORST).ok_or(why)?;
+        self.state = State::Settled(best.remeshed);
         Ok(())
     }
 
@@ -206,20 +216,19 @@ impl RemeshWork {
             let reach = self.options.reach.map_or((0.0, DVec3::ZERO), |_| remeshed.reach(&plan.track));
             (reach, self.options.reach.is_none_or(|most| reach.0 <= most))
         };
-        let (worst, remeshed) = match self.thin.1.take() {
-            Some(best) if best.worst >= slivers.worst => (best.worst, best.remeshed),
-            _ => (slivers.worst, Box::new(remeshed)),
+        let best = match self.thin.1.take() {
+            Some(best) if best.worst >= slivers.worst => best,
+            _ => Thin { worst: slivers.worst, worst_at: slivers.worst_at, remeshed: Box::new(remeshed) },
         };
         // The knots of the other side are given, and do not follow a finer cage.
         let may = self.thin.0 < SLIVER_TRIES && self.tried < self.options.tries && self.other.is_none();
-        if may && !slivers.places.is_empty() && within(&remeshed).1 {
-            self.thin = (self.thin.0 + 1, Some(Thin { worst, remeshed }));
-            let what = "too coarse for triangles of any width";
-            let finer = self.make_finer(Trouble::TooCoarse { what, places: slivers.places }, finest);
+        if may && !slivers.places.is_empty() && within(&best.remeshed).1 {
+            self.thin = (self.thin.0 + 1, Some(best));
+            let finer = self.make_finer(Trouble::TooCoarse { what: SLIVERS, places: slivers.places }, finest);
             finer.or_else(|why| self.fall_back(why))?;
             return Ok(RelaxQuantum::Again);
         }
-        let ((distance, at), _) = within(&remeshed);
+        let ((distance, at), _) = within(&best.remeshed);
         match self.options.reach {
             Some(reach) if distance > reach => {
                 refine_all(&self.surface, &mut self.options.adapt).ok_or(RemeshError::OutOfReach {
@@ -231,7 +240,10 @@ impl RemeshWork {
                 self.least.fill(0);
                 Ok(RelaxQuantum::Again)
             }
-            _ => Ok(RelaxQuantum::Finished(remeshed)),
+            _ => match best.worst_at.filter(|_| best.worst < WORST) {
+                Some(near) => Err(self.unresolved(plan, SLIVERS, near, finest)),
+                None => Ok(RelaxQuantum::Finished(best.remeshed)),
+            },
         }
     }
 
