@@ -14,13 +14,17 @@
 use glam::DVec3;
 
 use super::super::relax::Slider;
-use super::settle::{ASIDE, LOOKS, Settling, THIN};
+use super::settle::{LOOKS, Settling, THIN};
 
 /// How many knots to either side are spaced anew, tried in this order.
 const ASIDES: [usize; 3] = [2, 4, 8];
 
-/// How even they become: half-way from what they were, or wholly.
-const EVEN: [f64; 2] = [0.5, 1.0];
+/// How even they become: as they were, half-way, or wholly. Towards the tip of a narrow wedge gaps grow.
+const EVEN: [f64; 3] = [0.0, 0.5, 1.0];
+
+/// How many times as wide as the one next to it a gap may become: more than a knot alone may make it, for a
+/// knot that is off its place by half a gap is better than a fold.
+const UNEVEN: f64 = 4.0;
 
 /// Knots around one, from the last to its left that stays to the first to its right, with one more beyond
 /// each where there is one: their parameters rise.
@@ -139,9 +143,8 @@ impl Crowd {
         t
     }
 
-    /// Are gaps next to each other as alike as a knot alone keeps them, or as they were?
+    /// Are gaps next to each other alike enough, or as alike as they were?
     fn is_even(&self, t: &[f64]) -> bool {
-        let most = (1.0 - ASIDE) / ASIDE;
         let uneven = |t: &[f64], k: usize| {
             let (before, after) = (t[k] - t[k - 1], t[k + 1] - t[k]);
             if before > 0.0 && after > 0.0 { (before / after).max(after / before) } else { f64::INFINITY }
@@ -149,6 +152,6 @@ impl Crowd {
         // Of the ends, one that may not move is a corner, which divides its gaps as it likes.
         let inner = self.ends[0] + 1..self.ends[1];
         let outer = self.ends.into_iter().filter(|&k| k > 0 && k + 1 < t.len());
-        inner.chain(outer).all(|k| uneven(t, k) <= most.max(uneven(&self.t, k)))
+        inner.chain(outer).all(|k| uneven(t, k) <= UNEVEN.max(uneven(&self.t, k)))
     }
 }

@@ -40,7 +40,7 @@ pub(super) const LOOKS: u32 = 16;
 /// The part of the way between its neighbours that a knot keeps from either. A border vertex lies at
 /// the mean `((a + c) + 4 b) / 6` of the parameters, so an uneven knot is off its place by a sixth of what
 /// the gaps differ by: here by no more than a third of the smaller one.
-pub(super) const ASIDE: f64 = 0.25;
+const ASIDE: f64 = 0.25;
 
 /// A strip with the places of its rim, whose knots slide along a curve.
 pub(super) struct Settling<'a> {
