@@ -227,6 +227,17 @@ pub enum RemeshError {
         /// The smallest that is allowed.
         limit: f64,
     },
+    /// A curve comes to a border of the source and goes back from there: what it leaves would hang together
+    /// by one point.
+    #[error("curve {curve} touches the border at {at}, u = {u}, and goes back from there")]
+    TouchesBorder {
+        /// The curve, by index.
+        curve: usize,
+        /// Its parameter.
+        u: f64,
+        /// The border's point.
+        at: DVec3,
+    },
     /// Two curves cross at so small an angle that no triangle fits between them, or run along each
     /// other.
     #[error("curves {} and {} cross at {at}, u = {} and {}, at an angle of {angle} degrees: less than {limit}", .curves[0], .curves[1], .u[0], .u[1])]

@@ -42,24 +42,15 @@ pub(super) fn corner(track: &Track, p: u32, rim: &Rim, limit: &impl Fn(u32) -> (
     let m = rim.vertices.len();
     let edge = |i: usize| limit(rim.vertices[i % m]).0.distance(limit(rim.vertices[(i + 1) % m]).0);
     let wide = edge(near).max(edge(near + m - 1));
-    let is_far = far(near) > FAR * wide;
+    let is_far = turn >= 0.0 && far(near) > FAR * wide;
     let reach = if is_far { far(near) + ACROSS * wide } else { CORNER_REACH * far(near) };
-    let close: Vec<usize> = (0..m).filter(|i| usable(i) && far(*i) <= reach).collect();
-    // Edges of the rim that lead back to the tip of a wedge are the side's before it, the others the side's
-    // after it, or triangles would be folded. So the two part at the vertex that is deepest in the wedge, or
-    // one about as deep where the rim is near enough to make a fair share of.
-    let into = after - before;
-    let depth = |i: usize| (limit(rim.vertices[i]).0 - point.position).dot(into);
-    let slack = if turn < 0.0 {
-        f64::INFINITY
-    } else if is_far {
-        0.0
-    } else {
-        ABOUT * wide * into.length()
-    };
-    let deepest = close.iter().map(|&i| depth(i)).fold(f64::INFINITY, f64::min);
-    let deep = close.iter().copied().filter(|&i| depth(i) <= deepest + slack);
-    let nearest = deep.min_by(|&a, &b| off(a).total_cmp(&off(b))).unwrap_or(near);
+    let close = (0..m).filter(|i| usable(i) && far(*i) <= reach);
+    // In a wedge the rim may end far from the tip, and runs across in a few edges: those that lead back to the
+    // tip are the side's before it, the others the side's after it. So the two part at the vertex that is
+    // nearest to the tip along the wedge.
+    let depth = |i: usize| (limit(rim.vertices[i]).0 - point.position).dot(after - before);
+    let score = |i: usize| if is_far { depth(i) } else { off(i) };
+    let nearest = close.min_by(|&a, &b| score(a).total_cmp(&score(b))).unwrap_or(near);
     let kind = if turn < 0.0 { KnotKind::Concave } else { KnotKind::Convex };
     // How far round the rim has come there.
     let rounds = if rim.closed { ((rim.along[nearest] - point.along) / length).round() } else { 0.0 };
@@ -78,9 +69,6 @@ const FAR: f64 = 3.0;
 
 /// How many edges the end of a wedge is across, at most: with three the next ones lie along its sides.
 const ACROSS: f64 = 3.0;
-
-/// By what part of an edge along both sides vertices may differ in depth and be about as deep.
-const ABOUT: f64 = 0.5;
 
 impl Corner {
     /// The rim vertices at which its share begins and ends.

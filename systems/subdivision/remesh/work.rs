@@ -38,6 +38,8 @@ pub struct RemeshWork {
     least: Vec<u32>,
     /// The tries that were too coarse.
     tried: u32,
+    /// How many faces the first try has split, and all after it.
+    split: [u64; 2],
     /// Of these, the ones that were so for slivers alone; and the best that came of them.
     thin: (u32, Option<Thin>),
     state: State,
@@ -59,9 +61,9 @@ enum State {
 /// A surface whose strips have slivers.
 #[derive(Debug)]
 struct Thin {
-    /// See [`Slivers::worst`].
+    /// The worst shape of a triangle of a strip: below zero if it is folded, but not on another side.
     worst: f64,
-    /// See [`Slivers::worst_at`].
+    /// Where that is.
     worst_at: Option<Near>,
     remeshed: Box<Remeshed>,
 }
@@ -88,6 +90,13 @@ pub enum RelaxQuantum {
 
 /// How often a cage is made finer for slivers alone: each time costs as much as all before it.
 const SLIVER_TRIES: u32 = 5;
+
+/// How many faces may be split over all tries but the first: a second or two of work. Where boundaries do not
+/// come apart for less, they touch ...
+const MOST_SPLIT: u64 = 1 << 16;
+
+/// ... and this many times as many as the first try has split: each try may double them.
+const MOST_TIMES: u64 = 16;
 
 /// The worst shape that a triangle of a strip may have. The smallest angle allowed between curves leaves four
 /// times that at the tip of a wedge.
@@ -122,6 +131,7 @@ impl RemeshWork {
             plan,
             least,
             tried: 0,
+            split: [0; 2],
             thin: (0, None),
             state,
         })
@@ -169,6 +179,8 @@ impl RemeshWork {
             State::Coarse => {
                 let options = &self.options.adapt;
                 let leaves = adapt::adapt(&self.surface, &self.corners, &plan.track, options, &self.least)?;
+                let split = leaves.split_count() as u64;
+                self.split = if self.tried == 0 { [split, 0] } else { [self.split[0], self.split[1] + split] };
                 self.state = State::Adapted(Box::new(leaves));
                 Ok(RemeshQuantum::More)
             }
@@ -216,9 +228,14 @@ impl RemeshWork {
             let reach = self.options.reach.map_or((0.0, DVec3::ZERO), |_| remeshed.reach(&plan.track));
             (reach, self.options.reach.is_none_or(|most| reach.0 <= most))
         };
+        // The knots of the other side are given: a triangle that faces the wrong way cannot be helped there.
+        let (worst, worst_at) = match self.other {
+            None => (slivers.worst, slivers.worst_at),
+            Some(_) => (slivers.flattest, slivers.flattest_at),
+        };
         let best = match self.thin.1.take() {
-            Some(best) if best.worst >= slivers.worst => best,
-            _ => Thin { worst: slivers.worst, worst_at: slivers.worst_at, remeshed: Box::new(remeshed) },
+            Some(best) if best.worst >= worst => best,
+            _ => Thin { worst, worst_at, remeshed: Box::new(remeshed) },
         };
         // The knots of the other side are given, and do not follow a finer cage.
         let may = self.thin.0 < SLIVER_TRIES && self.tried < self.options.tries && self.other.is_none();
@@ -256,7 +273,8 @@ impl RemeshWork {
         };
         let Some(plan) = &self.plan else { return Ok(()) };
         let track = &plan.track;
-        if self.tried == self.options.tries
+        let [first, after] = self.split;
+        if (self.tried == self.options.tries || after > MOST_SPLIT + MOST_TIMES * first)
             && let Some(first) = places.first()
         {
             return Err(self.unresolved(plan, what, first.near, finest));

@@ -173,8 +173,7 @@ struct Cases<'a> {
 impl<'a> Cases<'a> {
     fn first(&self, count: usize) -> impl Iterator<Item = (usize, &'a Ground, Vec<Cut>)> {
         let (grounds, place) = (self.grounds, self.place);
-        let mut numbers =
-            Numbers(self.seed);
+        let mut numbers = Numbers(self.seed);
         (0..count).map(move |case| {
             let ground = &grounds[case % grounds.len()];
             let (at, radius) = place(&mut numbers);
