@@ -324,12 +324,15 @@ pub enum RemeshError {
         /// Its limit point.
         at: DVec3,
     },
-    /// The parameters found along a curve, or along a side of the source that was refined, make no
-    /// sound list: the curve turns too fast for the cage, or has a corner that its pre-image missed.
-    #[error("the parameters along curve or side {curve} are not sound: {source}")]
+    /// The parameters found along a side of the source that was refined make no sound list.
+    #[error("the parameters along side {side} of the source are not sound at u = {u}, {at}: {source}")]
     Parameters {
-        /// The curve, or the source's side, by index.
-        curve: usize,
+        /// The source's side, by index.
+        side: usize,
+        /// The parameter.
+        u: f64,
+        /// The border's point.
+        at: DVec3,
         /// Why.
         source: ParameterError,
     },
