@@ -237,8 +237,10 @@ impl RemeshWork {
             Some(best) if best.worst >= worst => best,
             _ => Thin { worst, worst_at, remeshed: Box::new(remeshed) },
         };
-        // The knots of the other side are given, and do not follow a finer cage.
-        let may = self.thin.0 < SLIVER_TRIES && self.tried < self.options.tries && self.other.is_none();
+        // The knots of the other side are given, and do not follow a finer cage, but the rim's edges are others
+        // there.
+        let helps = self.other.is_none() || best.worst < WORST;
+        let may = self.thin.0 < SLIVER_TRIES && self.tried < self.options.tries && helps;
         if may && !slivers.places.is_empty() && within(&best.remeshed).1 {
             self.thin = (self.thin.0 + 1, Some(best));
             let finer = self.make_finer(Trouble::TooCoarse { what: SLIVERS, places: slivers.places }, finest);
