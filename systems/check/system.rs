@@ -68,6 +68,9 @@ enum Extent {
     All,
 }
 
+/// A curve, and what was said of it.
+type Curves = (Entity, Ref<'static, SpaceCurve>, Has<CurveFailed>, Has<CurveUnchecked>);
+
 /// How many curves are checked in a pass: each takes about a millisecond.
 const CURVES: usize = 16;
 
@@ -84,7 +87,7 @@ pub struct Checked {
 /// a pass, while the others are marked.
 pub fn check_curves(
     mut commands: Commands,
-    curves: Query<(Entity, Ref<SpaceCurve>, Has<CurveFailed>, Has<CurveUnchecked>)>,
+    curves: Query<Curves>,
     mut checked: Local<Checked>,
     diagnostics: Option<ResMut<GroundDiagnostics>>,
 ) {

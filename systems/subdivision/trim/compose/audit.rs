@@ -95,7 +95,7 @@ fn pairs(composer: &Composer<'_>, assembly: &Assembly, surface: &LoopSurface) ->
         faces.dedup();
         let still = still(piece);
         let own = |face: FaceId| match assembly.roster.faces[face.index()] {
-            Face::Piece(q, f) => (q as usize == p).then(|| FaceId(f)),
+            Face::Piece(q, f) => (q as usize == p).then_some(FaceId(f)),
             Face::Source(f) => still.binary_search_by_key(&f, |pair| pair.0).ok().map(|i| FaceId(still[i].1)),
         };
         let pairs = faces.into_iter().filter_map(|face| Some([face, own(face)?]));
