@@ -147,6 +147,11 @@ pub struct SurfaceFailed(pub Vec<SurfaceFault>);
 #[error("{} faults, the first: {}", .0.len(), .0.first().map_or_else(String::new, ToString::to_string))]
 pub struct CurveFailed(pub Vec<CurveFault>);
 
+/// This curve is new or has changed, and waits to be checked: curves are checked some in a pass. Written and
+/// removed by the check stage. Trims that read the curve wait for that, too.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CurveUnchecked;
+
 /// Why a fitting job has no result.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]

@@ -583,6 +583,16 @@ pub enum TrimAuditFault {
         /// Where.
         at: DVec3,
     },
+    /// Put together with what other trims have left, a face is not what its own trim made of it.
+    #[error("face {face} of what all trims have left is {distance:e} off at {at} from what its own trim left")]
+    Composed {
+        /// The face of the result.
+        face: u32,
+        /// How far its limit point is off, in model units; NaN where it has none.
+        distance: f64,
+        /// Where.
+        at: DVec3,
+    },
     /// A border sample is not the curve's own.
     #[error("the border is at {at}, its curve at {sample} (u = {u}, side {side})")]
     OffCurve {

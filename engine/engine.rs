@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use glam::DVec3;
 use selvedge_components::curve::{Curve, Heading};
-use selvedge_components::error::{FitFailed, SurfaceFailed};
+use selvedge_components::error::{CurveUnchecked, FitFailed, SurfaceFailed};
 use selvedge_components::job::{FitJob, JobState};
 use selvedge_components::mesh::Connectivity;
 use selvedge_components::report::FitReport;
@@ -41,6 +41,7 @@ pub struct Engine {
     world: World,
     schedule: Schedule,
     jobs: QueryState<(Entity, Option<&'static FitJob>, Option<&'static TrimJob>), JobOrTrim>,
+    unchecked: QueryState<(), With<CurveUnchecked>>,
 }
 
 impl fmt::Debug for Engine {
@@ -120,8 +121,8 @@ impl Engine {
         schedule.set_executor(SingleThreadedExecutor::new());
         schedule.set_build_settings(strict());
         install(&mut world, &mut schedule);
-        let jobs = world.query_filtered();
-        Self { world, schedule, jobs }
+        let (jobs, unchecked) = (world.query_filtered(), world.query_filtered());
+        Self { world, schedule, jobs, unchecked }
     }
 
     /// The world.
@@ -249,7 +250,8 @@ impl Engine {
         self.pass();
         let after = self.jobs();
         // A job that has just ended has changed its surface: one more pass gathers that.
-        if before == after && !after.iter().any(is_running) { Pass::Idle } else { Pass::Busy }
+        let is_idle = before == after && !after.iter().any(is_running) && self.unchecked() == 0;
+        if is_idle { Pass::Idle } else { Pass::Busy }
     }
 
     /// Passes until nothing is left to do. Returns how many.
@@ -257,13 +259,14 @@ impl Engine {
     /// # Errors
     /// [`Stalled`] when jobs are left that no system moves.
     pub fn settle(&mut self) -> Result<u64, Stalled> {
-        let mut before = self.jobs();
+        let mut before = (self.jobs(), self.unchecked());
         let mut passes = 0;
         loop {
             self.pass();
             passes += 1;
-            let after = self.jobs();
+            let after = (self.jobs(), self.unchecked());
             if before == after {
+                let after = after.0;
                 let jobs: Vec<_> = after.iter().filter(|job| is_running(job)).map(|job| job.0).collect();
                 return if jobs.is_empty() { Ok(passes) } else { Err(Stalled { jobs }) };
             }
@@ -287,6 +290,11 @@ impl Engine {
         self.schedule.run(&mut self.world);
         // Nobody else forgets what was removed, and a world that runs for long must not grow by it.
         self.world.clear_trackers();
+    }
+
+    /// How many curves wait to be checked.
+    fn unchecked(&mut self) -> usize {
+        self.unchecked.iter(&self.world).count()
     }
 
     /// Where every job and trim stands, by entity.

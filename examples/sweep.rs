@@ -1,4 +1,5 @@
-//! You will see a table: random trims by stratum, how many were made, refused or wrong, and why.
+//! You will see a table: random trims by stratum, how many were made, refused or wrong, and why;
+//! how long the slowest took, and the worst shape of a face that was made.
 //!
 //! `sweep [COUNT] [--from STRATUM] [--json]`: `COUNT` trims in all, 1000 unless told; few with `--json`,
 //! which prints rows. With `--from`, the strata before that one, counted from 0, are left out.
@@ -25,6 +26,8 @@ struct Row {
     false_successes: usize,
     panics: usize,
     slowest_s: f64,
+    /// The worst shape, twice the area over the longest edge squared, of a face that a trim has made.
+    worst_shape: Option<f64>,
     reasons: BTreeMap<String, usize>,
 }
 
@@ -44,8 +47,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut slowest = Duration::ZERO;
         for number in 0..cases as u64 {
             let number = (s as u64) << 32 | number;
-            let (verdict, took) = run(&Case::new(&subjects, stratum, number));
+            let (verdict, took, worst_shape) = run(&Case::new(&subjects, stratum, number));
             slowest = slowest.max(took);
+            let made = Some(worst_shape).filter(|shape| shape.is_finite());
+            row.worst_shape = row.worst_shape.into_iter().chain(made).reduce(f64::min);
             let reason = match verdict {
                 Verdict::Sound => {
                     row.sound += 1;
@@ -69,14 +74,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         row.slowest_s = slowest.as_secs_f64();
         if !json {
             say!(
-                "{:48} {:4} cases  {:4} sound  {:3} refused  {:3} wrong  {:3} panics  slowest {:.2} s",
+                "{:48} {:4} cases  {:4} sound  {:3} refused  {:3} wrong  {:3} panics  slowest {:.2} s  worst shape {:.3}",
                 row.stratum,
                 row.cases,
                 row.sound,
                 row.refused,
                 row.false_successes,
                 row.panics,
-                row.slowest_s
+                row.slowest_s,
+                row.worst_shape.unwrap_or(f64::NAN)
             );
             row.reasons.keys().for_each(|why| say!("    {why}"));
         }

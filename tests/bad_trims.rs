@@ -176,6 +176,18 @@ fn cases() -> Vec<Case> {
                 if at.truncate().abs().max_element() > 0.19 && *angle < 1e-3)
         }),
         (
+            "touches the border with a corner",
+            |of| {
+                let corners = [DVec3::new(0.2, 0.02, 0.0), DVec3::new(0.1, 0.09, 0.0), DVec3::new(0.1, -0.04, 0.0)];
+                laid(of, Polyline::closed(corners.to_vec()).expect("a triangle"))
+            },
+            fine,
+            |why| {
+                matches!(why, TrimFault::Remesh(RemeshError::TouchesBorder { curve: 0, u, at })
+                if (u - u.round()).abs() < 1e-12 && at.truncate().distance(DVec2::new(0.2, 0.02)) < 1e-9)
+            },
+        ),
+        (
             "lies above the surface",
             |of| {
                 let on = circle(of, DVec2::ZERO, 0.05);

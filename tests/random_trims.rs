@@ -5,7 +5,8 @@ mod sweep;
 
 use sweep::{Case, STRATA, Subjects, Verdict, oracle, run};
 
-/// Four of each stratum: none panics, none is a false success, and at most one in 64 is refused.
+/// Four of each stratum: none panics, none is a false success, none has a sliver, and at most one in 64 is
+/// refused.
 #[test]
 fn random_trims_are_sound_or_say_why() {
     let subjects = Subjects::new();
@@ -13,7 +14,9 @@ fn random_trims_are_sound_or_say_why() {
     for (s, stratum) in STRATA.iter().enumerate() {
         for number in 0..4 {
             let number = (s as u64) << 32 | number;
-            match run(&Case::new(&subjects, stratum, number)).0 {
+            let (verdict, _, worst_shape) = run(&Case::new(&subjects, stratum, number));
+            assert!(worst_shape > 0.01, "{stratum:?} {number}: {worst_shape}");
+            match verdict {
                 Verdict::Sound => {}
                 Verdict::Refused(why) => refused.push(format!("{stratum:?} {number}: {why}")),
                 wrong => panic!("{stratum:?} {number}: {wrong:?}"),
@@ -21,6 +24,17 @@ fn random_trims_are_sound_or_say_why() {
         }
     }
     assert!(refused.len() <= 1, "{refused:#?}");
+}
+
+/// Where faces are stretched beside an irregular vertex, edges of the rim point away from the curve.
+#[test]
+fn stretched_faces_beside_a_curve_are_not_folded() {
+    let subjects = Subjects::new();
+    for number in [2, 7] {
+        let (verdict, _, worst_shape) = run(&Case::new(&subjects, &STRATA[11], 11 << 32 | number));
+        assert_eq!(verdict, Verdict::Sound, "{number}");
+        assert!(worst_shape > 0.05, "{number}: {worst_shape}");
+    }
 }
 
 /// The oracle can tell: what is inside the outlines of a source that was not cut is found on it.

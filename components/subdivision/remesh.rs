@@ -227,6 +227,17 @@ pub enum RemeshError {
         /// The smallest that is allowed.
         limit: f64,
     },
+    /// A curve comes to a border of the source and goes back from there: what it leaves would hang together
+    /// by one point.
+    #[error("curve {curve} touches the border at {at}, u = {u}, and goes back from there")]
+    TouchesBorder {
+        /// The curve, by index.
+        curve: usize,
+        /// Its parameter.
+        u: f64,
+        /// The border's point.
+        at: DVec3,
+    },
     /// Two curves cross at so small an angle that no triangle fits between them, or run along each
     /// other.
     #[error("curves {} and {} cross at {at}, u = {} and {}, at an angle of {angle} degrees: less than {limit}", .curves[0], .curves[1], .u[0], .u[1])]
@@ -313,12 +324,15 @@ pub enum RemeshError {
         /// Its limit point.
         at: DVec3,
     },
-    /// The parameters found along a curve, or along a side of the source that was refined, make no
-    /// sound list: the curve turns too fast for the cage, or has a corner that its pre-image missed.
-    #[error("the parameters along curve or side {curve} are not sound: {source}")]
+    /// The parameters found along a side of the source that was refined make no sound list.
+    #[error("the parameters along side {side} of the source are not sound at u = {u}, {at}: {source}")]
     Parameters {
-        /// The curve, or the source's side, by index.
-        curve: usize,
+        /// The source's side, by index.
+        side: usize,
+        /// The parameter.
+        u: f64,
+        /// The border's point.
+        at: DVec3,
         /// Why.
         source: ParameterError,
     },

@@ -3,7 +3,7 @@
 //! | reads | writes | after | before |
 //! | --- | --- | --- | --- |
 //! | `Snapshot` | `SurfaceFailed` and no `Snapshot`, where there is a fault | `Gather` | `Solve` |
-//! | `SpaceCurve` | `CurveFailed`, where there is a fault | `Gather` | `Solve` |
+//! | `SpaceCurve` | `CurveFailed`, where there is a fault; `CurveUnchecked` while it waits | `Gather` | `Solve` |
 //!
 //! Why: a kernel that may rely on what it reads is short and fast. What is refused here has no
 //! snapshot, so nothing goes further with it; all its faults are told at once, so that they can be

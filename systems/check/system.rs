@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use bevy_ecs::entity::EntityHashMap;
+use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
 use selvedge_components::budget::Budgets;
 use selvedge_components::curve::SpaceCurve;
-use selvedge_components::error::{CurveFailed, SurfaceFailed};
+use selvedge_components::error::{CurveFailed, CurveUnchecked, SurfaceFailed};
 use selvedge_components::guard::caught;
 use selvedge_components::subdivision::Snapshot;
 
@@ -68,27 +68,59 @@ enum Extent {
     All,
 }
 
-/// The revision at which each curve was checked last; `None` where it panicked when asked.
-pub type Checked = EntityHashMap<Option<u64>>;
+/// A curve, and what was said of it.
+type Curves = (Entity, Ref<'static, SpaceCurve>, Has<CurveFailed>, Has<CurveUnchecked>);
 
-/// Refuses every curve that is new or has changed and has a fault, and clears those that have none.
+/// How many curves are checked in a pass: each takes about a millisecond.
+const CURVES: usize = 16;
+
+/// What is known of curves from the passes before.
+#[derive(Debug, Default)]
+pub struct Checked {
+    /// The revision at which each was checked last, or will be; `None` where it panicked when asked.
+    revisions: EntityHashMap<Option<u64>>,
+    /// Those that are to be checked, in the order in which they became so.
+    waiting: Vec<Entity>,
+}
+
+/// Refuses every curve that is new or has changed and has a fault, and clears those that have none: some in
+/// a pass, while the others are marked.
 pub fn check_curves(
     mut commands: Commands,
-    curves: Query<(Entity, Ref<SpaceCurve>, Has<CurveFailed>)>,
+    curves: Query<Curves>,
     mut checked: Local<Checked>,
     diagnostics: Option<ResMut<GroundDiagnostics>>,
 ) {
     let mut run = Counters::start();
-    let before = core::mem::take(&mut *checked);
-    let mut checks = Vec::new();
-    for (entity, space, failed) in &curves {
+    let before = core::mem::take(&mut checked.revisions);
+    let mut changed = Vec::new();
+    for (entity, space, ..) in &curves {
         let revision = caught(|| space.curve.revision()).ok();
-        checked.insert(entity, revision);
+        checked.revisions.insert(entity, revision);
         if space.is_changed() || before.get(&entity) != Some(&revision) {
-            checks.push((entity, Arc::clone(&space.curve), failed, Vec::new()));
+            changed.push(entity);
         } else {
             run.counted.skipped += 1;
         }
+    }
+    changed.sort_unstable();
+    let known: EntityHashSet = checked.waiting.iter().copied().collect();
+    checked.waiting.extend(changed.into_iter().filter(|curve| !known.contains(curve)));
+    checked.waiting.retain(|&curve| curves.contains(curve));
+    let most = checked.waiting.len().min(CURVES);
+    let later = checked.waiting.split_off(most);
+    let now = core::mem::replace(&mut checked.waiting, later);
+    for (entity, .., is_marked) in checked.waiting.iter().filter_map(|&curve| curves.get(curve).ok()) {
+        if !is_marked {
+            commands.entity(entity).try_insert(CurveUnchecked);
+        }
+    }
+    let mut checks = Vec::new();
+    for (entity, space, failed, is_marked) in now.into_iter().filter_map(|curve| curves.get(curve).ok()) {
+        if is_marked {
+            commands.entity(entity).try_remove::<CurveUnchecked>();
+        }
+        checks.push((entity, Arc::clone(&space.curve), failed, Vec::new()));
     }
     for_each(checks.iter_mut().collect(), |(_, curve, _, faults)| *faults = curve_faults(&**curve));
     run.counted.items = checks.len() as u64;

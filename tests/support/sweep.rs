@@ -334,23 +334,29 @@ pub enum Verdict {
     Panicked,
 }
 
-/// Makes a trim and asks the oracle.
-pub fn run(case: &Case) -> (Verdict, Duration) {
+/// Makes a trim and asks the oracle. Tells how long it took to make it, and the worst shape of a face that was
+/// made: infinite where none was.
+pub fn run(case: &Case) -> (Verdict, Duration, f64) {
     let start = Instant::now();
     let made = catch_unwind(AssertUnwindSafe(|| make(case)));
     let took = start.elapsed();
+    let mut worst_shape = f64::INFINITY;
     let verdict = match made {
         Err(_) => Verdict::Panicked,
         Ok(Err(why)) => Verdict::Refused(why.to_string()),
-        Ok(Ok(surface)) => match oracle(case, &surface) {
-            Ok(()) => Verdict::Sound,
-            Err(what) => Verdict::FalseSuccess(what),
-        },
+        Ok(Ok((surface, worst))) => {
+            worst_shape = worst;
+            match oracle(case, &surface) {
+                Ok(()) => Verdict::Sound,
+                Err(what) => Verdict::FalseSuccess(what),
+            }
+        }
     };
-    (verdict, took)
+    (verdict, took, worst_shape)
 }
 
-fn make(case: &Case) -> Result<Arc<LoopSurface>, TrimFault> {
+/// The result, and the worst shape of its faces.
+fn make(case: &Case) -> Result<(Arc<LoopSurface>, f64), TrimFault> {
     let options = TrimOptions::default();
     let mut members = Vec::new();
     for cut in &case.cuts {
@@ -358,8 +364,9 @@ fn make(case: &Case) -> Result<Arc<LoopSurface>, TrimFault> {
         members.push(work?.run()?);
     }
     let mut work = TrimWork::on_all(Arc::clone(&case.ground), members);
-    work.run(&Budgets::default()).map_err(|blamed| blamed.why)?;
-    Ok(Arc::clone(work.result().expect("an audited result")))
+    let fit = work.run(&Budgets::default()).map_err(|blamed| blamed.why)?;
+    let report = work.report(&fit).expect("an audited result");
+    Ok((Arc::clone(work.result().expect("an audited result")), report.cage.worst_shape))
 }
 
 /// Looks at a result as a stranger would: is it sound, does its border lie on the curves, bit for

@@ -49,6 +49,7 @@ pub fn places(why: &TrimFault) -> Vec<DVec3> {
         | RemeshError::BorderGap { at, .. }
         | RemeshError::Tangential { at, .. }
         | RemeshError::AlongBorder { at, .. }
+        | RemeshError::TouchesBorder { at, .. }
         | RemeshError::Coincident { at, .. }
         | RemeshError::Tangled { at, .. }
         | RemeshError::Cusp { at, .. }

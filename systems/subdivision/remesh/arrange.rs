@@ -9,7 +9,7 @@ use glam::DVec3;
 use selvedge_components::curve::{CurveParameters, Heading};
 use selvedge_components::subdivision::remesh::{PreImageError, RemeshError};
 use selvedge_components::subdivision::{LoopSurface, NONE};
-use selvedge_components::trim::Junction;
+use selvedge_components::trim::{BorderLine, Junction};
 
 use super::borders::Borders;
 use super::contour::{Contour, Joined, Piece, Span};
@@ -83,6 +83,7 @@ pub fn arrange(
     };
     let chains = chains(&curves, &kept, &meetings)?;
     let contours: Vec<Contour> = chains.iter().map(|chain| built.contour(chain)).collect::<Result<_, _>>()?;
+    built.check_ends()?;
     let of_span = |span: &Span| other.and_then(|other| other.parameters(cuts, span));
     let given = contours.iter().map(|contour| contour.spans.iter().map(of_span).collect()).collect();
     let (track, junctions) = (built.track, built.junctions);
@@ -147,6 +148,10 @@ struct Builder<'a> {
 /// a piece has no direction of its own, since a junction lies a little beside the track.
 const NEAR_JUNCTION: f64 = 0.1;
 
+/// Ends of curves on a border that are nearer to each other than this part of the longest track are one place:
+/// below what a face of the finest level tells apart along it.
+const SAME_END: f64 = 1e-6;
+
 impl Builder<'_> {
     fn contour(&mut self, chain: &[&Stretch]) -> Result<Contour, RemeshError> {
         let closed = match chain {
@@ -203,6 +208,26 @@ impl Builder<'_> {
             points[which] = Some(meeting.junction.point);
         }
         Ok(points)
+    }
+
+    /// No two curves, nor two ends of one, leave the source at one place of its border.
+    fn check_ends(&self) -> Result<(), RemeshError> {
+        let least = SAME_END * self.track.tracks.iter().map(|whole| whole.length).fold(0.0, f64::max);
+        let ends = self.junctions.iter().filter_map(|junction| match junction.ends {
+            [(BorderLine::Side(_), _), (BorderLine::Cut(curve), u)] => Some((curve, u, junction.point)),
+            _ => None,
+        });
+        let ends: Vec<(usize, f64, DVec3)> = ends.collect();
+        for (k, &(curve, u, at)) in ends.iter().enumerate() {
+            if let Some(other) = ends[..k].iter().find(|other| other.2.distance(at) <= least) {
+                return Err(if other.0 == curve {
+                    RemeshError::TouchesBorder { curve, u, at }
+                } else {
+                    RemeshError::Tangled { curve, u, at }
+                });
+            }
+        }
+        Ok(())
     }
 
     /// The number of a junction, given when it is first met.

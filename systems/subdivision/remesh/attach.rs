@@ -15,6 +15,7 @@
 use glam::DVec3;
 
 use super::remove::Rim;
+use super::seats::{Corner, FEWEST, corner, seat};
 use super::track::{Near, Track};
 
 /// A new vertex on a curve.
@@ -118,14 +119,6 @@ impl Strip {
     }
 }
 
-/// A corner of a curve as it meets the rim.
-struct Corner {
-    along: f64,
-    /// The rim vertex nearest to it; it may be counted on beyond the rim's end.
-    nearest: i64,
-    kind: KnotKind,
-}
-
 /// Lays the strip between `rim` and curve `cut`. `limit` gives the rim's limit points and normals.
 ///
 /// # Errors
@@ -160,91 +153,6 @@ fn plain_knots(m: usize) -> Vec<Knot> {
     (0..m as u32).map(|first| Knot::new(KnotKind::Smooth, first)).collect()
 }
 
-fn corner(track: &Track, p: u32, rim: &Rim, limit: &impl Fn(u32) -> (DVec3, DVec3)) -> Corner {
-    let point = &track.points[p as usize];
-    let length = track.tracks[point.cut as usize].length;
-    // The rim may pass the corner's place in space again elsewhere: only the stretch along the curve
-    // is asked, a quarter of it to either side at most.
-    let apart = |i: usize| {
-        let d = rim.along[i] - point.along;
-        if rim.closed { (d - (d / length).round() * length).abs() } else { d.abs() }
-    };
-    let unit = |s: u32| {
-        let (a, b) = track.ends(s);
-        (b - a).normalize_or_zero()
-    };
-    let far = |i: usize| limit(rim.vertices[i]).0.distance(point.position);
-    let usable = |i: &usize| apart(*i) <= 0.25 * length;
-    let near = (0..rim.vertices.len()).filter(usable).min_by(|&a, &b| far(a).total_cmp(&far(b))).unwrap_or(0);
-    let normal = limit(rim.vertices[near]).1;
-    let (before, after) = (unit(point.previous), unit(p));
-    // Half-way between the two sides, into what stays.
-    let bisector = normal.cross(before + after).normalize_or_zero();
-    let off = |i: usize| 1.0 - (limit(rim.vertices[i]).0 - point.position).normalize_or_zero().dot(bisector);
-    let close = |i: &usize| far(*i) <= CORNER_REACH * far(near);
-    let nearest = (0..rim.vertices.len())
-        .filter(|i| usable(i) && close(i))
-        .min_by(|&a, &b| off(a).total_cmp(&off(b)))
-        .unwrap_or(near);
-    let turn = before.cross(after).dot(normal);
-    let kind = if turn < 0.0 { KnotKind::Concave } else { KnotKind::Convex };
-    // How far round the rim has come there.
-    let rounds = if rim.closed { ((rim.along[nearest] - point.along) / length).round() } else { 0.0 };
-    let along = point.along + rounds * length;
-    Corner { along, nearest: nearest as i64, kind }
-}
-
-/// Of the rim vertices no farther than this many times the nearest, a corner takes the one that lies
-/// best in its middle: so both sides have their fair share of the rim. The rim's triangles are alike
-/// in size, so that is within one edge or two.
-const CORNER_REACH: f64 = 2.5;
-
-impl Corner {
-    /// The rim vertices at which its share begins and ends.
-    fn share(&self) -> [i64; 2] {
-        let begin = if self.kind == KnotKind::Concave { self.nearest - 1 } else { self.nearest };
-        [begin, begin + i64::from(self.kind.span())]
-    }
-}
-
-/// Moves corners along the rim, as far as one edge each, so that knots find room between them.
-///
-/// # Errors
-/// The place of a corner that would have to move farther.
-fn seat(track: &Track, cut: u32, corners: &mut [Corner], m: usize, closed: bool) -> Result<(), Near> {
-    let n = corners.len();
-    let wanted: Vec<i64> = corners.iter().map(|c| c.nearest).collect();
-    // Rounds of pushing neighbours apart; each corner moves by one edge at most.
-    for _ in 0..2 * n {
-        let mut moved = false;
-        for k in 0..if closed { n } else { n.saturating_sub(1) } {
-            let (j, round) = if k + 1 < n { (k + 1, 0) } else { (0, m as i64) };
-            let room = corners[j].share()[0] + round - corners[k].share()[1];
-            if room >= FEWEST || n == 1 {
-                continue;
-            }
-            let can = |c: usize, by: i64| {
-                corners[c].kind != KnotKind::End && (corners[c].nearest + by - wanted[c]).abs() <= FARTHEST
-            };
-            if can(j, 1) {
-                corners[j].nearest += 1;
-            } else if can(k, -1) {
-                corners[k].nearest -= 1;
-            } else {
-                return Err(track.place(cut, corners[k].along));
-            }
-            moved = true;
-        }
-        if !moved {
-            break;
-        }
-    }
-    Ok(())
-}
-
-/// How many edges along the rim a corner may be moved from the vertex that suits it best.
-const FARTHEST: i64 = 1;
-
 /// Corners where they are, and smooth knots on the rim edges between.
 fn knots_between(track: &Track, cut: u32, corners: &[Corner], m: usize, closed: bool) -> Result<Vec<Knot>, Near> {
     let name = |i: i64| (i + m as i64) as u32;
@@ -265,9 +173,6 @@ fn knots_between(track: &Track, cut: u32, corners: &[Corner], m: usize, closed: 
     }
     Ok(knots)
 }
-
-/// Smooth knots between two corners, at least: with one there is a vertex that is free to move.
-const FEWEST: i64 = 1;
 
 /// Distances along the curve to begin with, kept in `t` until they are spaced out: of a smooth knot
 /// the one nearest to the middle of its rim edge.

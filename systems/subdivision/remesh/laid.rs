@@ -44,6 +44,12 @@ pub(super) struct Laid {
 pub(super) struct Slivers {
     /// The worst shape of a triangle of a strip, below zero if it is folded.
     pub worst: f64,
+    /// Where that is.
+    pub worst_at: Option<Near>,
+    /// The same whichever way triangles face.
+    pub flattest: f64,
+    /// Where that is.
+    pub flattest_at: Option<Near>,
     /// Where there are slivers.
     pub places: Vec<Place>,
 }
@@ -169,7 +175,13 @@ impl Laid {
 
     /// Moves the knots of thin triangles. Returns the places at which there are slivers all the same.
     fn settle(&mut self, plan: &Arrangement) -> Slivers {
-        let mut slivers = Slivers { worst: f64::INFINITY, places: Vec::new() };
+        let mut slivers = Slivers {
+            worst: f64::INFINITY,
+            worst_at: None,
+            flattest: f64::INFINITY,
+            flattest_at: None,
+            places: Vec::new(),
+        };
         for (s, Contour { curve, heading, .. }) in plan.contours.iter().enumerate() {
             let strip = &self.strips[s];
             let rim = strip.rim.iter().zip(&self.normals[s]).map(|(&v, &n)| (self.limit[v as usize], n)).collect();
@@ -177,9 +189,15 @@ impl Laid {
             settling.settle(self.strung[s].knots_mut());
             let knots = self.strung[s].knots();
             for (i, shape) in settling.shapes(knots).into_iter().enumerate() {
-                slivers.worst = slivers.worst.min(shape);
+                let near = || plan.track.place_of_parameter(strip.cut, knots[i].t);
+                if shape < slivers.worst {
+                    (slivers.worst, slivers.worst_at) = (shape, Some(near()));
+                }
+                if shape.abs() < slivers.flattest {
+                    (slivers.flattest, slivers.flattest_at) = (shape.abs(), Some(near()));
+                }
                 if shape < SLIVER {
-                    let near = plan.track.place_of_parameter(strip.cut, knots[i].t);
+                    let near = near();
                     slivers.places.push(self.place(s, i, near));
                 }
             }

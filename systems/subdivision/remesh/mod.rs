@@ -33,6 +33,8 @@ pub mod other;
 pub mod path;
 pub mod preimage;
 pub mod remove;
+mod room;
+mod seats;
 mod sets;
 mod settle;
 mod sides;

@@ -22,13 +22,20 @@ use super::attach::Strip;
 
 /// A knot moves if a triangle around it has a lower shape: an angle of some six degrees at one end of
 /// the longest edge. Above it relaxation's own places are better, for they are spaced evenly.
-const THIN: f64 = 0.1;
+pub(super) const THIN: f64 = 0.1;
+
+/// Below this shape a knot that finds no better place asks its neighbours for room.
+const FOLDED: f64 = 0.02;
+
+/// How often neighbours are asked for room along a strip: each time costs some hundred times what a move of
+/// one knot does. A strip that needs more is too coarse.
+const ROOMS: u32 = 64;
 
 /// Sweeps over the thin places: a knot may have to wait for a neighbour that is in its way.
 const SWEEPS: u32 = 8;
 
 /// Places looked at between two neighbours, and again between the two around the best.
-const LOOKS: u32 = 16;
+pub(super) const LOOKS: u32 = 16;
 
 /// The part of the way between its neighbours that a knot keeps from either. A border vertex lies at
 /// the mean `((a + c) + 4 b) / 6` of the parameters, so an uneven knot is off its place by a sixth of what
@@ -51,6 +58,7 @@ impl Settling<'_> {
     /// Moves the knots of thin triangles.
     pub fn settle(&self, knots: &mut [Slider]) {
         let mut at: Vec<DVec3> = knots.iter().map(|k| self.position(k.t)).collect();
+        let mut left = ROOMS;
         for _ in 0..SWEEPS {
             let mut moved = false;
             for i in (0..knots.len()).filter(|&i| knots[i].base.is_some()).collect::<Vec<_>>() {
@@ -58,13 +66,16 @@ impl Settling<'_> {
                 if own >= THIN {
                     continue;
                 }
-                if let Some((t, shape)) = self.best(i, knots, &mut at)
-                    && shape > own
-                {
+                let found = self.best(i, knots, &mut at).filter(|(_, shape)| *shape > own);
+                if let Some((t, _)) = found {
                     knots[i].t = t;
                     moved = true;
                 }
                 at[i] = self.position(knots[i].t);
+                if found.map_or(own, |(_, shape)| shape) < FOLDED && left > 0 {
+                    left -= 1;
+                    moved |= self.make_room(i, knots, &mut at);
+                }
             }
             if !moved {
                 return;
@@ -78,7 +89,7 @@ impl Settling<'_> {
         (0..at.len()).map(|i| self.worst(i, &at)).collect()
     }
 
-    fn position(&self, t: f64) -> DVec3 {
+    pub(super) fn position(&self, t: f64) -> DVec3 {
         self.curve.position(curve_parameter(self.curve, self.heading, t))
     }
 
@@ -131,7 +142,7 @@ impl Settling<'_> {
     }
 
     /// The worst shape of the triangles between knot `i` and the rim, and to the next knot.
-    fn worst(&self, i: usize, at: &[DVec3]) -> f64 {
+    pub(super) fn worst(&self, i: usize, at: &[DVec3]) -> f64 {
         let own = self.strip.knots[i];
         let seen: Range<u32> = own.first..own.first + own.span;
         let fan = seen.map(|j| {
@@ -213,6 +224,31 @@ mod tests {
         assert!(worst(&settling.shapes(&knots)) > 0.1, "{:?}", settling.shapes(&knots));
         assert!(knots.windows(2).all(|k| k[0].t < k[1].t), "they keep their order");
         assert_eq!([knots[0].t, knots[4].t], [0.0, 1.0]);
+    }
+
+    /// The rim comes down to the curve and goes back up, steeply: a knot has to pass below the way up, where
+    /// its neighbours are.
+    #[test]
+    fn neighbours_make_room_for_a_knot_that_is_on_the_wrong_side_of_its_rim_edge() {
+        let rim = [
+            [0.013, 0.153],
+            [0.21, 0.296],
+            [0.327, 0.144],
+            [0.49, 0.331],
+            [0.585, 0.198],
+            [0.674, 0.081],
+            [0.77, 0.319],
+            [0.825, 0.238],
+            [0.873, 0.183],
+            [0.919, 0.151],
+            [0.969, 0.142],
+        ];
+        let (strip, rim, mut knots) = strip(&rim, &[0.0, 0.245, 0.368, 0.408, 0.474, 0.6, 0.62, 0.66, 0.75, 1.0]);
+        let settling = Settling { strip: &strip, rim, curve: &Axis, heading: Heading::Along };
+        assert!(worst(&settling.shapes(&knots)) < 0.0, "one is folded");
+        settling.settle(&mut knots);
+        assert!(worst(&settling.shapes(&knots)) > 0.05, "{:?}", settling.shapes(&knots));
+        assert!(knots.windows(2).all(|k| k[0].t < k[1].t), "they keep their order");
     }
 
     #[test]

@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use selvedge_components::curve::{Curve, CurveParameters, Extent, Heading, wrap};
+use selvedge_components::curve::{Curve, CurveParameters, Extent, Heading, ParameterError, wrap};
 use selvedge_components::mesh::{Connectivity, EdgeId, VertexId};
 use selvedge_components::subdivision::{Address, Border, Ends, Side};
 use selvedge_components::trim::BorderLine;
@@ -262,7 +262,8 @@ pub(super) fn strip_parameters(work: &Work<'_>, s: u32) -> Result<StripParameter
                 out.indices[k] = i as u64;
             }
         }
-        out.spans.push(parameters(&cut.curve, u, closed, &corners, span.cut as usize)?);
+        let made = parameters(&cut.curve, u.clone(), closed, &corners);
+        out.spans.push(made.map_err(|why| unsound(work, s, members[index_of(&why, &u)]))?);
     }
     Ok(out)
 }
@@ -312,12 +313,39 @@ fn parameters(
     u: Vec<f64>,
     closed: bool,
     corners: &[usize],
-    cut: usize,
-) -> Result<Arc<CurveParameters>, Trouble> {
+) -> Result<Arc<CurveParameters>, ParameterError> {
     let u = if curve.closed() { u.into_iter().map(wrap).collect() } else { u };
     let extent = if closed { Extent::Closed } else { Extent::Open };
     let made = CurveParameters::new(Arc::clone(curve), extent, u, corners);
-    made.map(Arc::new).map_err(|source| Trouble::Error(RemeshError::Parameters { curve: cut, source }))
+    made.map(Arc::new)
+}
+
+/// Which of a list of parameters is in the way.
+fn index_of(why: &ParameterError, u: &[f64]) -> usize {
+    let index = match why {
+        ParameterError::OutOfRange { index, .. } | ParameterError::NotAscending { index, .. } => *index,
+        ParameterError::MissedCorner { u: corner } => {
+            let apart = |i: &usize| (u[*i] - corner).abs();
+            (0..u.len()).min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(0)
+        }
+        _ => 0,
+    };
+    index.min(u.len().saturating_sub(1))
+}
+
+/// Knots of strip `s` around knot `k` make no sound list: a finer cage has others.
+fn unsound(work: &Work<'_>, s: u32, k: usize) -> Trouble {
+    let strip = &work.strips[s as usize];
+    let knot = &strip.knots[k];
+    let near = work.plan.track.place_of_parameter(strip.cut, knot.t);
+    let seen = (knot.first..=knot.first + knot.span).map(|j| strip.rim[j as usize % strip.rim.len()]);
+    let seen: Vec<_> = seen.map(|v| &work.adapted.vertices[v as usize]).collect();
+    let size = seen.iter().map(|v| v.limit.distance(seen[0].limit)).fold(0.0, f64::max);
+    let level = seen.iter().map(|v| v.level).max().unwrap_or(0);
+    Trouble::TooCoarse {
+        what: "too coarse to tell places along it apart",
+        places: vec![CurvePlace { near, level, size }],
+    }
 }
 
 /// A place on a side of the source.
@@ -366,16 +394,25 @@ fn source_side(
     let step = 1.0 / f64::from(1_u32 << base);
     let uniform = run.ends == side.ends
         && places.iter().enumerate().all(|(i, p)| p.x == i as f64 * step && p.level == Some(base));
+    // Next to the end of a curve a finer cage may help.
+    let knot = run.vertices.iter().find_map(|v| match parts.vertices[v.index()] {
+        Vertex::Knot(strip, k) => Some((strip, k as usize)),
+        Vertex::Lattice(_) => None,
+    });
+    let trouble = |Unsound { u, at, source }| match knot {
+        Some((strip, k)) => unsound(work, strip, k),
+        None => Trouble::Error(RemeshError::Parameters { side: s, u, at, source }),
+    };
     let border = match &side.border {
         Border::Plain if uniform || is_straight(work.surface, side) => Border::Plain,
         Border::Plain => {
             let curve: Arc<dyn Curve> = Arc::new(PlainBorder::new(work.surface, side));
             let u = places.iter().map(|p| p.end.unwrap_or(p.x / whole)).collect();
-            given(&curve, u, Heading::Along, run.ends, s)?
+            given(&curve, u, Heading::Along, run.ends).map_err(trouble)?
         }
         Border::Given { curve, heading, .. } => {
             let u = places.iter().map(|p| p.end.unwrap_or_else(|| given_parameter(side, curve, p.x, p.level)));
-            given(curve.curve(), u.collect(), *heading, run.ends, s)?
+            given(curve.curve(), u.collect(), *heading, run.ends).map_err(trouble)?
         }
     };
     let side_now = Side { vertices: run.vertices, ends: run.ends, border };
@@ -432,14 +469,15 @@ fn place_of(work: &Work<'_>, parts: &Parts, borders: &Borders<'_>, v: VertexId, 
     }
 }
 
+/// Parameters along a side of the source that make no sound list, and where.
+struct Unsound {
+    u: f64,
+    at: DVec3,
+    source: ParameterError,
+}
+
 /// A given border through these parameters, in the order of the side's vertices.
-fn given(
-    curve: &Arc<dyn Curve>,
-    mut u: Vec<f64>,
-    heading: Heading,
-    ends: Ends,
-    side: usize,
-) -> Result<Border, Trouble> {
+fn given(curve: &Arc<dyn Curve>, mut u: Vec<f64>, heading: Heading, ends: Ends) -> Result<Border, Unsound> {
     if heading == Heading::Against {
         u.reverse();
     }
@@ -451,6 +489,10 @@ fn given(
         u.rotate_left(smallest);
         first = (first + count - smallest) % count;
     }
-    let curve = parameters(curve, u, ends == Ends::Closed, &[], side)?;
+    let made = parameters(curve, u.clone(), ends == Ends::Closed, &[]);
+    let curve = made.map_err(|source| {
+        let u = u.get(index_of(&source, &u)).copied().unwrap_or(0.0);
+        Unsound { u, at: curve.position(u), source }
+    })?;
     Ok(Border::Given { curve, first: first as u64, heading })
 }

@@ -38,6 +38,8 @@ pub struct RemeshWork {
     least: Vec<u32>,
     /// The tries that were too coarse.
     tried: u32,
+    /// How many faces the first try has split, and all after it.
+    split: [u64; 2],
     /// Of these, the ones that were so for slivers alone; and the best that came of them.
     thin: (u32, Option<Thin>),
     state: State,
@@ -59,8 +61,10 @@ enum State {
 /// A surface whose strips have slivers.
 #[derive(Debug)]
 struct Thin {
-    /// See [`Slivers::worst`].
+    /// The worst shape of a triangle of a strip: below zero if it is folded, but not on another side.
     worst: f64,
+    /// Where that is.
+    worst_at: Option<Near>,
     remeshed: Box<Remeshed>,
 }
 
@@ -86,6 +90,20 @@ pub enum RelaxQuantum {
 
 /// How often a cage is made finer for slivers alone: each time costs as much as all before it.
 const SLIVER_TRIES: u32 = 5;
+
+/// How many faces may be split over all tries but the first: a second or two of work. Where boundaries do not
+/// come apart for less, they touch ...
+const MOST_SPLIT: u64 = 1 << 16;
+
+/// ... and this many times as many as the first try has split: each try may double them.
+const MOST_TIMES: u64 = 16;
+
+/// The worst shape that a triangle of a strip may have. The smallest angle allowed between curves leaves four
+/// times that at the tip of a wedge.
+const WORST: f64 = 0.01;
+
+/// What is said of a cage whose strips have slivers.
+const SLIVERS: &str = "too coarse for triangles of any width";
 
 impl RemeshWork {
     /// Begins to cut `surface` along curves, whose pre-images on it are given in the order of the
@@ -113,6 +131,7 @@ impl RemeshWork {
             plan,
             least,
             tried: 0,
+            split: [0; 2],
             thin: (0, None),
             state,
         })
@@ -142,7 +161,8 @@ impl RemeshWork {
 
     /// Goes back to the best cage with slivers, if there is one, where a finer one is not to be had.
     fn fall_back(&mut self, why: RemeshError) -> Result<(), RemeshError> {
-        self.state = State::Settled(self.thin.1.take().ok_or(why)?.remeshed);
+        let best = self.thin.1.take().filter(|best| best.worst >= WORST).ok_or(why)?;
+        self.state = State::Settled(best.remeshed);
         Ok(())
     }
 
@@ -159,6 +179,8 @@ impl RemeshWork {
             State::Coarse => {
                 let options = &self.options.adapt;
                 let leaves = adapt::adapt(&self.surface, &self.corners, &plan.track, options, &self.least)?;
+                let split = leaves.split_count() as u64;
+                self.split = if self.tried == 0 { [split, 0] } else { [self.split[0], self.split[1] + split] };
                 self.state = State::Adapted(Box::new(leaves));
                 Ok(RemeshQuantum::More)
             }
@@ -206,20 +228,26 @@ impl RemeshWork {
             let reach = self.options.reach.map_or((0.0, DVec3::ZERO), |_| remeshed.reach(&plan.track));
             (reach, self.options.reach.is_none_or(|most| reach.0 <= most))
         };
-        let (worst, remeshed) = match self.thin.1.take() {
-            Some(best) if best.worst >= slivers.worst => (best.worst, best.remeshed),
-            _ => (slivers.worst, Box::new(remeshed)),
+        // The knots of the other side are given: a triangle that faces the wrong way cannot be helped there.
+        let (worst, worst_at) = match self.other {
+            None => (slivers.worst, slivers.worst_at),
+            Some(_) => (slivers.flattest, slivers.flattest_at),
         };
-        // The knots of the other side are given, and do not follow a finer cage.
-        let may = self.thin.0 < SLIVER_TRIES && self.tried < self.options.tries && self.other.is_none();
-        if may && !slivers.places.is_empty() && within(&remeshed).1 {
-            self.thin = (self.thin.0 + 1, Some(Thin { worst, remeshed }));
-            let what = "too coarse for triangles of any width";
-            let finer = self.make_finer(Trouble::TooCoarse { what, places: slivers.places }, finest);
+        let best = match self.thin.1.take() {
+            Some(best) if best.worst >= worst => best,
+            _ => Thin { worst, worst_at, remeshed: Box::new(remeshed) },
+        };
+        // The knots of the other side are given, and do not follow a finer cage, but the rim's edges are others
+        // there.
+        let helps = self.other.is_none() || best.worst < WORST;
+        let may = self.thin.0 < SLIVER_TRIES && self.tried < self.options.tries && helps;
+        if may && !slivers.places.is_empty() && within(&best.remeshed).1 {
+            self.thin = (self.thin.0 + 1, Some(best));
+            let finer = self.make_finer(Trouble::TooCoarse { what: SLIVERS, places: slivers.places }, finest);
             finer.or_else(|why| self.fall_back(why))?;
             return Ok(RelaxQuantum::Again);
         }
-        let ((distance, at), _) = within(&remeshed);
+        let ((distance, at), _) = within(&best.remeshed);
         match self.options.reach {
             Some(reach) if distance > reach => {
                 refine_all(&self.surface, &mut self.options.adapt).ok_or(RemeshError::OutOfReach {
@@ -231,7 +259,10 @@ impl RemeshWork {
                 self.least.fill(0);
                 Ok(RelaxQuantum::Again)
             }
-            _ => Ok(RelaxQuantum::Finished(remeshed)),
+            _ => match best.worst_at.filter(|_| best.worst < WORST) {
+                Some(near) => Err(self.unresolved(plan, SLIVERS, near, finest)),
+                None => Ok(RelaxQuantum::Finished(best.remeshed)),
+            },
         }
     }
 
@@ -244,7 +275,8 @@ impl RemeshWork {
         };
         let Some(plan) = &self.plan else { return Ok(()) };
         let track = &plan.track;
-        if self.tried == self.options.tries
+        let [first, after] = self.split;
+        if (self.tried == self.options.tries || after > MOST_SPLIT + MOST_TIMES * first)
             && let Some(first) = places.first()
         {
             return Err(self.unresolved(plan, what, first.near, finest));

@@ -16,6 +16,8 @@ pub struct Candidate<'a> {
     pub now: TrimInputs,
     /// Why it cannot begin, if it cannot.
     pub refusal: Option<TrimFault>,
+    /// Is one of its curves not checked yet?
+    pub unchecked: bool,
     /// Where it stands, if it was ever begun and has all that it needs to go on.
     pub job: Option<&'a TrimJob>,
 }

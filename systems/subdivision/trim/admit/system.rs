@@ -8,7 +8,7 @@ use bevy_ecs::query::QueryData;
 use bevy_ecs::system::SystemParam;
 use selvedge_components::budget::{Budget, Budgets};
 use selvedge_components::curve::SpaceCurve;
-use selvedge_components::error::{CurveFailed, SurfaceFailed};
+use selvedge_components::error::{CurveFailed, CurveUnchecked, SurfaceFailed};
 use selvedge_components::guard::caught;
 use selvedge_components::identity::Serial;
 use selvedge_components::job::Cancelled;
@@ -48,7 +48,7 @@ type Surface = (Option<&'static Snapshot>, Option<&'static SurfaceFailed>, Optio
 #[derive(SystemParam)]
 pub struct Reads<'w, 's> {
     surfaces: Query<'w, 's, Surface, With<Cage>>,
-    curves: Query<'w, 's, (&'static SpaceCurve, Option<&'static CurveFailed>)>,
+    curves: Query<'w, 's, (&'static SpaceCurve, Option<&'static CurveFailed>, Has<CurveUnchecked>)>,
     details: Query<'w, 's, (Entity, &'static DetailOf)>,
     budgets: Option<Res<'w, Budgets>>,
 }
@@ -144,6 +144,8 @@ struct Start {
     inputs: TrimInputs,
     /// How many quanta it has waited.
     quanta: u64,
+    /// Does it wait for its curves to be checked?
+    unchecked: bool,
 }
 
 /// What has come of the trims of one source.
@@ -183,7 +185,8 @@ fn admit_source(
                 admitted.settled = false;
                 let waited = trims.iter().find(|trim| trim.0 == candidate.trim).and_then(|trim| trim.5);
                 let quanta = waited.map_or(0, |job| job.quanta);
-                admitted.starts.push(Start { source, trim: candidate.trim, inputs: candidate.now, quanta });
+                let Candidate { trim, now: inputs, unchecked, .. } = candidate;
+                admitted.starts.push(Start { source, trim, inputs, quanta, unchecked });
             }
             Verdict::Refuse => {
                 admitted.refused.push(candidate.trim);
@@ -211,13 +214,15 @@ fn candidate<'w>(
 ) -> Candidate<'w> {
     let budgets = reads.budgets.as_deref().map_or_else(Budgets::default, |b| *b);
     let &(entity, _, asked, options, tolerance, job, locating, has_work, solved, _, given) = trim;
-    let mut refusal = None;
+    let (mut refusal, mut unchecked) = (None, false);
     let cuts = asked.cuts.iter().map(|cut| {
-        let Ok((space, failed)) = reads.curves.get(cut.curve) else {
+        let Ok((space, failed, waits)) = reads.curves.get(cut.curve) else {
             refusal = refusal.take().or(Some(TrimFault::NoCurve { curve: cut.curve }));
             return None;
         };
-        if let Some(CurveFailed(faults)) = failed
+        unchecked |= waits;
+        // What it was refused for may be mended.
+        if let Some(CurveFailed(faults)) = failed.filter(|_| !waits)
             && let Some(first) = faults.first()
         {
             let first = Box::new(first.clone());
@@ -253,7 +258,7 @@ fn candidate<'w>(
         TrimState::Finished => locating.is_some() && (solved.is_some() || job.is_led_by(entity)),
         TrimState::Failed => true,
     });
-    Candidate { trim: entity, now, refusal, job: whole }
+    Candidate { trim: entity, now, refusal, unchecked, job: whole }
 }
 
 /// Sends located trims on their way, in groups; those whose group is what it was go on as they are.
@@ -295,7 +300,7 @@ fn begin_groups(
 }
 
 /// Puts trims on their way, on what their sources are now; those whose sources are yet being prepared wait
-/// for that, one step of it in a pass.
+/// for that, one step of it in a pass, and others for their curves to be checked.
 fn begin_locating(
     commands: &mut Commands,
     starts: Vec<Start>,
@@ -305,7 +310,7 @@ fn begin_locating(
     // Those of others are not wanted any more.
     grounds.retain(|source, _| starts.iter().any(|start| start.source == *source));
     let mut made: EntityHashMap<Result<Option<Arc<Ground>>, TrimFault>> = EntityHashMap::default();
-    for Start { source, trim, inputs, quanta } in starts {
+    for Start { source, trim, inputs, quanta, unchecked } in starts {
         let ground = made.entry(source).or_insert_with(|| ground(source, surfaces, grounds));
         if let (Ok(Some(ground)), Ok((_, _, before))) = (&*ground, surfaces.get(source))
             && before.is_none_or(|before| before.revision != ground.revision)
@@ -315,7 +320,9 @@ fn begin_locating(
         let cuts = inputs.cuts.iter().flatten();
         let cuts = cuts.map(|(curve, _, heading)| Cut::new(Arc::clone(curve), *heading)).collect();
         let begun = ground.clone().and_then(|ground| {
-            let work = ground.map(|ground| LocateWork::new(ground, cuts, inputs.options.clone(), inputs.tolerance));
+            let work = ground
+                .filter(|_| !unchecked)
+                .map(|ground| LocateWork::new(ground, cuts, inputs.options.clone(), inputs.tolerance));
             Ok(work.transpose()?.map(|work| work.with_given(&inputs.given)))
         });
         match begun {

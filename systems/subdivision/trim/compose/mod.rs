@@ -5,6 +5,7 @@
 //! reach, are found by flood: from what a trim has removed, over faces of the source. What stays is
 //! what no trim removes.
 
+mod audit;
 mod roster;
 mod system;
 
@@ -16,7 +17,7 @@ use glam::DVec3;
 use selvedge_components::mesh::{Connectivity, FaceId, HalfedgeId, VertexId};
 use selvedge_components::subdivision::remesh::RemeshError;
 use selvedge_components::subdivision::{Address, Border, Details, LoopSurface, NONE, Side};
-use selvedge_components::trim::BorderLine;
+use selvedge_components::trim::{BorderLine, TrimFault};
 
 use super::rename::{Names, rename_details};
 use super::zone::{Zone, ZoneSide};
@@ -97,7 +98,7 @@ pub struct Misfit {
     /// The piece, by index.
     pub piece: usize,
     /// What is wrong.
-    pub why: RemeshError,
+    pub why: TrimFault,
 }
 
 /// What is left of `source` by all of `pieces`; `None` where there are none.
@@ -105,7 +106,8 @@ pub struct Misfit {
 /// Where nothing stays, the piece is the first that leaves nothing of what those before it leave.
 ///
 /// # Errors
-/// When a piece does not separate what stays from what goes, or nothing stays.
+/// When a piece does not separate what stays from what goes, nothing stays, or what is put together is not
+/// what its pieces were.
 pub fn compose(source: &LoopSurface, pieces: &[&Solved]) -> Result<Option<Arc<LoopSurface>>, Misfit> {
     match pieces {
         [] => Ok(None),
@@ -184,13 +186,16 @@ impl<'a> Composer<'a> {
     fn compose(&self) -> Result<LoopSurface, Misfit> {
         let gone: Vec<Vec<bool>> = (0..self.pieces.len()).map(|p| self.gone(p)).collect::<Result<_, _>>()?;
         if let Some(piece) = first_to_leave_nothing(&gone) {
-            return Err(Misfit { piece, why: RemeshError::NothingLeft { curve: 0 } });
+            return Err(Misfit { piece, why: RemeshError::NothingLeft { curve: 0 }.into() });
         }
         let left = self.faces().into_iter().filter(|&face| {
             let (own, root) = self.root_of(face);
             (0..gone.len()).all(|p| Some(p) == own || !gone[p][root.index()])
         });
-        Ok(Assembly::of(self, left.collect())?.surface(self))
+        let assembly = Assembly::of(self, left.collect())?;
+        let surface = assembly.surface(self);
+        audit::audit(self, &assembly, &surface)?;
+        Ok(surface)
     }
 
     /// The piece that a face of the result is of, and the face of the source that it stands on.
@@ -238,7 +243,7 @@ impl<'a> Composer<'a> {
                     // What the piece keeps is reached, from beyond its zone, from what it removes.
                     Some(own) if kept[own.index()] && zone.face(face).is_none() => {
                         let at = self.place(next);
-                        return Err(Misfit { piece: p, why: RemeshError::DoesNotSeparate { curve: 0, at } });
+                        return Err(Misfit { piece: p, why: RemeshError::DoesNotSeparate { curve: 0, at }.into() });
                     }
                     _ => {}
                 }
@@ -275,7 +280,8 @@ impl Assembly {
     fn of(composer: &Composer<'_>, faces: Vec<Face>) -> Result<Self, Misfit> {
         let roster = Roster::of(composer, faces);
         let mesh = Connectivity::new(roster.vertex_count(), &roster.corners(composer));
-        let misfit = |faults| Misfit { piece: composer.pieces.len() - 1, why: RemeshError::NotManifold { faults } };
+        let misfit =
+            |faults| Misfit { piece: composer.pieces.len() - 1, why: RemeshError::NotManifold { faults }.into() };
         Ok(Self { roster, mesh: Arc::new(mesh.map_err(misfit)?) })
     }
 

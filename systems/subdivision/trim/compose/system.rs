@@ -70,11 +70,7 @@ pub fn compose_results(
             Err(Misfit { piece, why }) => {
                 run.counted.items += 1;
                 let together = pieces[piece].together.clone();
-                failures.extend(together.last().map(|&failed| Failure {
-                    failed,
-                    why: why.into(),
-                    together: together.clone(),
-                }));
+                failures.extend(together.last().map(|&failed| Failure { failed, why, together: together.clone() }));
                 continue;
             }
         }
@@ -90,7 +86,7 @@ pub fn compose_results(
                     }
                 }
                 Err(Misfit { why, .. }) => {
-                    let why = TrimFault::OtherSide { why: Box::new(why.into()) };
+                    let why = TrimFault::OtherSide { why: Box::new(why) };
                     let together = pieces.iter().find(|piece| piece.together.contains(&trim));
                     let together = together.map_or_else(Vec::new, |piece| piece.together.clone());
                     failures.push(Failure { together, failed: trim, why });

@@ -74,6 +74,7 @@ impl TrimWork {
             | RemeshError::Cusp { curve, .. }
             | RemeshError::BorderGap { curve, .. }
             | RemeshError::AlongBorder { curve, .. }
+            | RemeshError::TouchesBorder { curve, .. }
             | RemeshError::Unresolved { curve, .. } => {
                 let part = *curve;
                 Some((curve, part))
