@@ -357,6 +357,7 @@ pub const STAGES: &[StageContract] = &[
             "Ground",
             "OtherSide",
             "OtherSideOf",
+            "ResultOf",
             "Serial",
             "Solved",
             "Stale",
@@ -366,6 +367,7 @@ pub const STAGES: &[StageContract] = &[
         writes: &["Serials", "SubdivisionDiagnostics", "TrimJob"],
         inserts: &[
             "OtherSide",
+            "Stale",
             "TrimFailed",
             "TrimmedTo",
             "entities with Snapshot, ComposedOf, ResultOf or OtherSideOf",
@@ -378,6 +380,7 @@ pub const STAGES: &[StageContract] = &[
             "TrimReport",
             "entities with DetailOf(trim)",
             "entities with OtherSideOf(trim)",
+            "entities with ResultOf of a source that has gone",
         ],
     },
 ];
