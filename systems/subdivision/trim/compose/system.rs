@@ -26,6 +26,7 @@ type Made = (
     Option<&'static Serial>,
     Option<&'static OtherSide>,
 );
+type Source = (Entity, &'static Ground, Option<&'static TrimmedTo>);
 type Read<'a> = <<Made as QueryData>::ReadOnly as QueryData>::Item<'a, 'a>;
 type Results<'w, 's> =
     Query<'w, 's, (Entity, &'static ComposedOf, Has<Stale>, Option<&'static ResultOf>, Option<&'static OtherSideOf>)>;
@@ -42,7 +43,7 @@ struct Failure {
 pub fn compose_results(
     mut commands: Commands,
     mut trims: Query<Made>,
-    (sources, trimmed): (Query<(Entity, &Ground, Option<&TrimmedTo>)>, Query<&TrimmedTo>),
+    (sources, trimmed): (Query<Source>, Query<&TrimmedTo>),
     results: Results,
     details: Query<(Entity, &DetailOf)>,
     mut serials: If<ResMut<Serials>>,
