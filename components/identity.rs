@@ -1,4 +1,4 @@
-//! What orders entities when order shows.
+//! What orders entities when order shows, and what inputs are the same.
 
 use bevy_ecs::prelude::{Component, Resource};
 
@@ -26,4 +26,15 @@ impl Serials {
         self.given += 1;
         self.given
     }
+}
+
+/// Are two numbers that a host has given the same? What is not a number is the same as itself: work that
+/// was refused for it is not begun again in every pass.
+pub fn same_number(a: f64, b: f64) -> bool {
+    a == b || (a.is_nan() && b.is_nan())
+}
+
+/// As [`same_number`], where there may be none.
+pub fn same_option(a: Option<f64>, b: Option<f64>) -> bool {
+    a.zip(b).map_or(a.is_none() && b.is_none(), |(a, b)| same_number(a, b))
 }

@@ -2,6 +2,8 @@
 
 use bevy_ecs::prelude::Component;
 
+use crate::identity::same_number;
+
 /// How far results may stand off, in model units. Each part is a bound on a distance.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
@@ -14,6 +16,16 @@ pub struct Tolerance {
 }
 
 impl Tolerance {
+    /// Is this what was asked for before? See [`same_number`].
+    pub fn same_as(&self, other: &Self) -> bool {
+        same_number(self.fit, other.fit) && same_number(self.chord, other.chord) && same_number(self.curve, other.curve)
+    }
+
+    /// As [`Self::same_as`], where there may be none.
+    pub fn same_option(a: Option<Self>, b: Option<Self>) -> bool {
+        a.zip(b).map_or(a.is_none() && b.is_none(), |(a, b)| a.same_as(&b))
+    }
+
     /// Shares one overall bound out: 0.6 to the fit, 0.3 to the chords, 0.1 to the curve.
     ///
     /// ```

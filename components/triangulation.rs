@@ -4,6 +4,7 @@ use bevy_ecs::prelude::Component;
 use glam::DVec3;
 use thiserror::Error;
 
+use crate::identity::same_number;
 use crate::mesh::{FaceId, VertexId};
 
 /// How a surface is triangulated.
@@ -23,6 +24,18 @@ pub struct TriangulateOptions {
     pub most_triangles: usize,
     /// Whether vertices get the normals of the limit surface.
     pub normals: Normals,
+}
+
+impl TriangulateOptions {
+    /// Are these the options that triangles were made with? See [`same_number`].
+    pub fn same_as(&self, other: &Self) -> bool {
+        let same_density = match (self.density, other.density) {
+            (Density::Chord(a), Density::Chord(b)) => same_number(a, b),
+            (a, b) => a == b,
+        };
+        let rest = |options: &Self| Self { density: Density::Level(0), ..*options };
+        same_density && rest(self) == rest(other)
+    }
 }
 
 impl Default for TriangulateOptions {

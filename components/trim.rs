@@ -20,6 +20,7 @@ use thiserror::Error;
 use crate::budget::{BudgetExceeded, Budgets};
 use crate::curve::{Curve, CurveFault, Heading};
 use crate::evaluate::SurfacePoint;
+use crate::identity::{same_number, same_option};
 use crate::subdivision::fit::{FitError, Outcome, Rule, Rung, Storage};
 use crate::subdivision::remesh::RemeshError;
 use crate::tolerance::Tolerance;
@@ -66,6 +67,20 @@ pub struct PreImagePoint {
     pub u: f64,
     /// The place, no farther from the curve's point than a mean edge of the cage.
     pub at: SurfacePoint,
+}
+
+impl PreImages {
+    /// Is this what was said before? See [`same_number`].
+    fn same_as(&self, other: &Self) -> bool {
+        let same_place = |a: &PreImagePoint, b: &PreImagePoint| {
+            let numbers = |p: &PreImagePoint| [p.u, p.at.st.x, p.at.st.y];
+            a.at.face == b.at.face && numbers(a).into_iter().zip(numbers(b)).all(|(a, b)| same_number(a, b))
+        };
+        let same_cut = |a: &[PreImagePoint], b: &[PreImagePoint]| {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same_place(a, b))
+        };
+        self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(|(a, b)| same_cut(a, b))
+    }
 }
 
 /// What a stretch of a trimmed border runs along.
@@ -125,6 +140,14 @@ pub struct TrimOptions {
     pub seed: u64,
     /// Whether what the trim removes is wanted, too.
     pub sides: Sides,
+}
+
+impl TrimOptions {
+    /// Are these the settings that a trim was made with? See [`same_number`].
+    pub fn same_as(&self, other: &Self) -> bool {
+        let rest = |options: &Self| Self { reach: None, ..options.clone() };
+        same_option(self.reach, other.reach) && rest(self) == rest(other)
+    }
 }
 
 /// Which sides of its curves a trim makes surfaces of.
@@ -279,16 +302,19 @@ pub struct TrimInputs {
 }
 
 impl PartialEq for TrimInputs {
-    /// Curves are the same when they are one and the same object, of one revision.
+    /// Curves are the same when they are one and the same object, of one revision; numbers as
+    /// [`same_number`] says.
     fn eq(&self, other: &Self) -> bool {
         let same = |a: &Option<CutInput>, b: &Option<CutInput>| match (a, b) {
             (Some(a), Some(b)) => Arc::ptr_eq(&a.0, &b.0) && (a.1, a.2) == (b.1, b.2),
             (None, None) => true,
             _ => false,
         };
-        let rest = |inputs: &Self| (inputs.source, inputs.revision, inputs.tolerance, inputs.budgets);
+        let rest = |inputs: &Self| (inputs.source, inputs.revision, inputs.budgets);
         rest(self) == rest(other)
-            && (&self.options, &self.given) == (&other.options, &other.given)
+            && Tolerance::same_option(self.tolerance, other.tolerance)
+            && self.options.same_as(&other.options)
+            && self.given.same_as(&other.given)
             && self.cuts.len() == other.cuts.len()
             && self.cuts.iter().zip(&other.cuts).all(|(a, b)| same(a, b))
     }

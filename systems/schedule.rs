@@ -358,6 +358,7 @@ pub const STAGES: &[StageContract] = &[
             "Ground",
             "OtherSide",
             "OtherSideOf",
+            "ResultOf",
             "Serial",
             "Solved",
             "Stale",
@@ -367,6 +368,7 @@ pub const STAGES: &[StageContract] = &[
         writes: &["Serials", "SubdivisionDiagnostics", "TrimJob"],
         inserts: &[
             "OtherSide",
+            "Stale",
             "TrimFailed",
             "TrimmedTo",
             "entities with Snapshot, ComposedOf, ResultOf or OtherSideOf",
@@ -379,6 +381,7 @@ pub const STAGES: &[StageContract] = &[
             "TrimReport",
             "entities with DetailOf(trim)",
             "entities with OtherSideOf(trim)",
+            "entities with ResultOf of a source that has gone",
         ],
     },
 ];

@@ -66,3 +66,28 @@ fn what_is_fitted_again_is_what_fitting_the_neighbours_at_once_makes() {
     assert_eq!(result.mesh.faces(), at_once.mesh.faces());
     assert_eq!(result.details.count(), at_once.details.count());
 }
+
+/// A bore beside one that needs its neighbours is made together with that, and so fitted over them too; by
+/// itself it is what it would be if it had always been.
+#[test]
+fn what_a_trim_needed_together_with_another_goes_with_that() {
+    let (easy, hard) = (case(10 << 32 | 1), case(BORES[0]));
+    let run = |cases: &[&Case]| {
+        let mut plate = Plate::of(LoopSurface::clone(&hard.ground.surface));
+        let mut trims = Vec::new();
+        for case in cases {
+            let cut = &case.cuts[0];
+            let cut = (spawn_curve(&mut plate.world, Arc::clone(&cut.curve)), cut.heading);
+            let tolerance = Some(case.tolerance);
+            trims.push(spawn_trim(&mut plate.world, plate.source, &[cut], tolerance, TrimOptions::default()));
+        }
+        plate.settle();
+        (plate, trims)
+    };
+    let (alone, _) = run(&[&easy]);
+    let (mut parted, trims) = run(&[&easy, &hard]);
+    assert_eq!(parted.report(trims[0]).together, trims);
+    parted.world.despawn(trims[1]);
+    parted.settle();
+    assert!(parted.result().map(bits) == alone.result().map(bits), "the same bits");
+}

@@ -7,6 +7,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use super::FaceCode;
+use crate::identity::same_option;
 use crate::mesh::VertexId;
 use crate::target::TargetError;
 
@@ -29,6 +30,17 @@ pub struct FitOptions {
     /// A level that leaves more than this share of the greatest distance that the one before it has left
     /// ends the fit as [`Outcome::Stalled`]; `None` goes on to the last level.
     pub stalled_at: Option<f64>,
+}
+
+impl FitOptions {
+    /// Are these the settings that a fit was made with? See [`same_number`](crate::identity::same_number).
+    pub fn same_as(&self, other: &Self) -> bool {
+        let Self { rule, tolerance: _, last_level, ref region, storage, most_details, stalled_at: _ } = *self;
+        same_option(self.tolerance, other.tolerance)
+            && same_option(self.stalled_at, other.stalled_at)
+            && (rule, last_level, region) == (other.rule, other.last_level, &other.region)
+            && (storage, most_details) == (other.storage, other.most_details)
+    }
 }
 
 impl Default for FitOptions {

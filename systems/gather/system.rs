@@ -4,6 +4,7 @@ use core::ops::Range;
 use std::sync::Arc;
 
 use bevy_ecs::change_detection::{ContiguousComponentTicksRef, ContiguousRef, Tick};
+use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
@@ -26,6 +27,8 @@ use crate::diagnostics::{Counters, GroundDiagnostics};
 pub struct Memory {
     points: Ledger,
     details: Ledger,
+    /// Of surfaces along curves that were gathered last, or could not be: the revisions of the curves.
+    curves: EntityHashMap<Vec<Option<u64>>>,
 }
 
 /// A surface, also one that the host has disabled: its edits must not be missed.
@@ -69,13 +72,22 @@ pub fn gather_surfaces(
     let point_news = survey(&points, &slots, &mut memory.points);
     let detail_news = survey(&details, &slots, &mut memory.details);
     for (slot, source) in sources.iter_mut().enumerate() {
+        let retry = retry || source.is_mended(&memory.curves);
         source.plan(point_news[slot], detail_news[slot], retry);
     }
     run.counted.items += patch(&mut sources, &slots, &points, &details);
     let (built_points, built_details, rows) = rebuild(&sources, &slots, &points, &details);
     run.counted.items += rows;
+    memory.curves.clear();
     for ((source, points), details) in sources.into_iter().zip(built_points).zip(built_details) {
-        run.counted.written += u64::from(source.write(points, details, &mut commands, &mut serials.0));
+        let (entity, had_none) = (source.entity, source.snapshot.is_none());
+        let curves = source.sides.revisions();
+        let written = source.write(points, details, &mut commands, &mut serials.0);
+        run.counted.written += u64::from(written);
+        // The check, which comes next, may take the snapshot away.
+        if (written || had_none) && curves.iter().any(Option::is_some) {
+            memory.curves.insert(entity, curves);
+        }
     }
     if let Some(mut diagnostics) = diagnostics {
         diagnostics.gather += run.finish();
@@ -103,6 +115,11 @@ impl<'w> Source<'w> {
         let (entity, serial, cage, sides, listed, snapshot, failed, _) = item;
         let (serial, points, details) = (serial.copied(), News::None, News::None);
         Self { entity, serial, cage, sides, listed, snapshot, failed, points, details, patched: 0 }
+    }
+
+    /// Has a curve along a surface that failed become another one since it was looked at?
+    fn is_mended(&self, before: &EntityHashMap<Vec<Option<u64>>>) -> bool {
+        self.snapshot.is_none() && before.get(&self.entity).is_some_and(|before| *before != self.sides.revisions())
     }
 
     /// Decides what has to be gathered: nothing, values that have changed, or all.

@@ -112,7 +112,7 @@ pub fn run(scene: &Scene, settings: &Settings) -> Result<Trimmed, TrimFault> {
     }
     let (mut work, mut fit) = fitted(scene, &located, &mut clock)?;
     if work.may_fit_more(&not_reached(&fit)) {
-        located.iter_mut().for_each(LocateWork::fit_more);
+        located.iter_mut().for_each(|located| located.fit_more(&[]));
         (work, fit) = fitted(scene, &located, &mut clock)?;
     }
     if outcome(&fit) != Outcome::Within {

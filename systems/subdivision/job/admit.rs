@@ -74,8 +74,10 @@ impl Order<'_> {
             (None, None) => true,
             _ => false,
         };
-        let rest = (inputs.surface, &inputs.options, inputs.tolerance, inputs.budgets);
-        same_target && rest == (self.surface, self.options, self.tolerance, self.budgets)
+        same_target
+            && (inputs.surface, inputs.budgets) == (self.surface, self.budgets)
+            && inputs.options.same_as(self.options)
+            && Tolerance::same_option(inputs.tolerance, self.tolerance)
     }
 
     fn revision(&self) -> Option<u64> {

@@ -3,6 +3,8 @@
 use bevy_ecs::entity::Entity;
 use selvedge_components::subdivision::FaceCode;
 
+use super::locate::Reach;
+
 /// Trims that are made together, in their order; the first carries the work.
 pub type Group = Vec<Entity>;
 
@@ -30,6 +32,36 @@ pub fn groups(trims: &[(Entity, &[FaceCode])]) -> Vec<Group> {
     groups.into_iter().map(|group| group.1).collect()
 }
 
+/// The groups that the trims of one source come to, each trim with how far it reaches, and how many of
+/// those steps each has taken: from their first guesses on, a step that a group has needed is taken
+/// wherever the trims come to be that very group again.
+///
+/// So groups depend on which trims there are, and not on which there have been: what a trim needed
+/// together with one that has gone, or has become another, does not stay with it.
+pub fn replay(trims: &[(Entity, &[Reach])]) -> (Vec<Group>, Vec<usize>) {
+    let mut steps = vec![0; trims.len()];
+    loop {
+        let reserved: Vec<(Entity, &[FaceCode])> = trims
+            .iter()
+            .zip(&steps)
+            .map(|(&(trim, reaches), &step)| (trim, reaches.get(step).map_or(&[][..], |reach| &reach.reserved)))
+            .collect();
+        let groups = groups(&reserved);
+        let mut goes_on = false;
+        for group in &groups {
+            let members: Vec<usize> = (0..trims.len()).filter(|&t| group.contains(&trims[t].0)).collect();
+            let has_needed = |&t: &usize| trims[t].1.get(steps[t] + 1).is_some_and(|next| next.with == *group);
+            if members.iter().all(has_needed) {
+                members.into_iter().for_each(|t| steps[t] += 1);
+                goes_on = true;
+            }
+        }
+        if !goes_on {
+            return (groups, steps);
+        }
+    }
+}
+
 fn first_of(joined: &[usize], mut t: usize) -> usize {
     while joined[t] != t {
         t = joined[t];
@@ -39,6 +71,8 @@ fn first_of(joined: &[usize], mut t: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use selvedge_components::trim::Omega;
+
     use super::*;
 
     #[test]
@@ -49,5 +83,30 @@ mod tests {
         let trims = [(e(5), &a[..]), (e(6), &d[..]), (e(7), &b[..]), (e(8), &c[..])];
         assert_eq!(groups(&trims), [vec![e(5), e(7), e(8)], vec![e(6)]]);
         assert!(groups(&[]).is_empty());
+    }
+
+    #[test]
+    fn what_trims_needed_together_does_not_stay_with_one_of_them() {
+        let e = |n| Entity::from_raw_u32(n).expect("a small number");
+        let reach = |with: &[Entity], faces: &[u64]| Reach {
+            with: with.to_vec(),
+            reserved: faces.iter().map(|&f| FaceCode(f)).collect(),
+            rings: 0,
+            omega: Omega::Changed,
+        };
+        let (a, b, c) = (e(1), e(2), e(3));
+        let pair = [a, b];
+        let of_a = [reach(&[], &[1, 2]), reach(&pair, &[1, 2, 3]), reach(&[a, b, c], &[1, 2, 3, 4])];
+        let of_b = [reach(&[], &[2]), reach(&pair, &[2]), reach(&[a, b, c], &[2])];
+        let of_c = [reach(&[], &[3]), reach(&[a, b, c], &[3])];
+        let all = [(a, &of_a[..]), (b, &of_b[..]), (c, &of_c[..])];
+        assert_eq!(replay(&all), (vec![vec![a, b, c]], vec![2, 2, 1]));
+        // Without the second, the first never needed more, and does not reach the third.
+        assert_eq!(replay(&[all[0], all[2]]), (vec![vec![a], vec![c]], vec![0, 0]));
+        // Nor was the second, where it has become another, ever with the first.
+        let another = [reach(&[], &[2])];
+        assert_eq!(replay(&[all[0], (b, &another[..])]), (vec![pair.to_vec()], vec![0, 0]));
+        // What the pair needed by itself it still needs.
+        assert_eq!(replay(&[all[0], all[1]]), (vec![pair.to_vec()], vec![1, 1]));
     }
 }

@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use bevy_ecs::prelude::Component;
+use bevy_ecs::prelude::{Component, Entity};
 use glam::DVec3;
 use selvedge_components::curve::Curve;
 use selvedge_components::evaluate::Evaluate;
@@ -52,8 +52,19 @@ pub struct LocateWork {
     /// By cut, where it is said to run.
     given: PreImages,
     next: usize,
-    rings: u32,
-    reserved: Vec<FaceCode>,
+    /// How far it reaches: the first guess, once it is located, and what was needed beyond that.
+    reaches: Vec<Reach>,
+}
+
+/// How far a trim is thought to change its source.
+#[derive(Clone, Debug)]
+pub struct Reach {
+    /// The trims made together that needed it, which are the whole of why; none of the first guess.
+    pub with: Vec<Entity>,
+    /// The root faces that the trim may change, ascending.
+    pub reserved: Vec<FaceCode>,
+    pub(super) rings: u32,
+    pub(super) omega: Omega,
 }
 
 /// Rings around the faces that a curve runs through that it is first thought to change: faces as near
@@ -99,8 +110,7 @@ impl LocateWork {
             found: Arc::new(Located { cuts, parts: Vec::new(), options, tolerance }),
             given: PreImages::default(),
             next: 0,
-            rings: RINGS,
-            reserved: Vec::new(),
+            reaches: Vec::new(),
         })
     }
 
@@ -134,38 +144,57 @@ impl LocateWork {
         if self.next < self.found.cuts.len() {
             return Ok(TrimQuantum::More);
         }
-        self.reserve();
+        self.reach(Vec::new(), RINGS, self.found.options.omega);
         Ok(TrimQuantum::Next(TrimStage::Remesh))
     }
 
     /// The root faces that the trim may change, ascending, once it is located.
     pub fn reserved(&self) -> &[FaceCode] {
-        &self.reserved
+        self.reaches.last().map_or(&[], |reach| &reach.reserved)
     }
 
-    /// The fit needs more faces than those that the remeshing changes.
-    pub fn fit_more(&mut self) {
-        Arc::make_mut(&mut self.found).options.omega = Omega::Neighbourhood;
-        self.widen();
+    /// How far it reaches, once it is located: the first guess, and what was needed beyond that.
+    pub fn reaches(&self) -> &[Reach] {
+        &self.reaches
     }
 
-    /// The trim changes more than is reserved: reserves one ring more.
-    pub fn widen(&mut self) {
-        self.rings += 1;
-        self.reserve();
+    /// Forgets what was needed beyond so many steps from the first guess: it was needed together with
+    /// trims that are others now.
+    pub fn go_back(&mut self, step: usize) {
+        self.reaches.truncate(step + 1);
+        if let Some(Reach { omega, .. }) = self.reaches.last() {
+            Arc::make_mut(&mut self.found).options.omega = *omega;
+        }
     }
 
-    fn reserve(&mut self) {
+    /// The fit of the trims made together needs more faces than those that the remeshing changes.
+    pub fn fit_more(&mut self, with: &[Entity]) {
+        self.more(with, Omega::Neighbourhood);
+    }
+
+    /// The trims made together change more than is reserved: reserves one ring more.
+    pub fn widen(&mut self, with: &[Entity]) {
+        self.more(with, self.found.options.omega);
+    }
+
+    fn more(&mut self, with: &[Entity], omega: Omega) {
+        let rings = self.reaches.last().map_or(RINGS, |reach| reach.rings) + 1;
+        Arc::make_mut(&mut self.found).options.omega = omega;
+        self.reach(with.to_vec(), rings, omega);
+    }
+
+    fn reach(&mut self, with: Vec<Entity>, rings: u32, omega: Omega) {
         let (surface, images) = (&self.ground.surface, self.found.parts.iter().map(|(_, image)| image));
         // A small reach refines the whole cage.
-        self.reserved = match self.found.options.reach {
+        let reserved = match self.found.options.reach {
             Some(_) => region::whole(&surface.mesh, 0),
             None => {
                 // Where the first guess was too small, nothing is taken to be out of reach.
-                let sides = if self.rings == RINGS { SidesMet::Divided } else { SidesMet::All };
-                reserve(surface, images, Extent { rings: self.rings, outer: OUTER_RINGS, sides })
+                let sides = if rings == RINGS { SidesMet::Divided } else { SidesMet::All };
+                reserve(surface, images, Extent { rings, outer: OUTER_RINGS, sides })
             }
         };
+        self.reaches.push(Reach { with, reserved, rings, omega });
     }
 
     /// Locates all curves.

@@ -1,6 +1,7 @@
 //! Which trims begin, begin again, go on together, or are refused.
 
 mod system;
+mod together;
 
 use bevy_ecs::entity::Entity;
 use selvedge_components::trim::{TrimFault, TrimInputs, TrimJob, TrimState};

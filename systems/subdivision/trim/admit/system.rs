@@ -15,21 +15,19 @@ use selvedge_components::job::Cancelled;
 use selvedge_components::subdivision::{Cage, DetailOf, Snapshot};
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::trim::{
-    AtLocate, AtRemesh, OtherSide, PreImages, Stale, Trim, TrimFailed, TrimFault, TrimInputs, TrimJob, TrimOptions,
-    TrimStage, TrimState, TrimmedTo,
+    AtLocate, PreImages, Trim, TrimFailed, TrimFault, TrimInputs, TrimJob, TrimOptions, TrimStage, TrimState, TrimmedTo,
 };
 
+use super::together::{begin_groups, mark_others, mark_stale, part};
 use super::{Candidate, Source, Verdict, anything_changed, verdict};
 use crate::diagnostics::{Counters, SubdivisionDiagnostics};
 use crate::subdivision::job::discard;
-use crate::subdivision::region;
 use crate::subdivision::remesh::Cut;
 use crate::subdivision::trim::compose::Solved;
-use crate::subdivision::trim::group::groups;
-use crate::subdivision::trim::traces::{Traces, WorkTraces};
+use crate::subdivision::trim::traces::Traces;
 use crate::subdivision::trim::{Ground, GroundBuild, LocateWork, TrimWork};
 
-type Job = (
+pub(super) type Job = (
     Entity,
     Option<&'static Serial>,
     &'static Trim,
@@ -81,7 +79,12 @@ pub fn admit_trims(
     let mut freed = EntityHashSet::default();
     let sources = by_source(&mut commands, &trims, &mut freed);
     // Trims that are gone leave details behind.
-    freed.extend(known.trims.values().flatten().filter(|&&trim| !trims.contains(trim)));
+    let gone: Vec<Entity> = known.trims.values().flatten().copied().filter(|&trim| !trims.contains(trim)).collect();
+    for &trim in &gone {
+        // It is a trim no longer, and may not even be an entity.
+        commands.entity(trim).try_remove::<Traces>();
+    }
+    freed.extend(gone);
     let before = core::mem::take(&mut known.trims);
     for source in before.keys().filter(|&&source| sources.iter().all(|(other, _)| *other != source)) {
         commands.entity(*source).queue_silenced(drop_result);
@@ -92,11 +95,16 @@ pub fn admit_trims(
         run.counted.items += trims.len() as u64;
         let before = before.get(source).map_or(&[][..], Vec::as_slice);
         let admitted = admit_source(&mut commands, (*source, trims), before, &reads, &mut run.counted);
+        if !admitted.starts.is_empty() {
+            // What one removes depends on what the others leave.
+            mark_others(&mut commands, trims);
+        }
+        freed.extend(part(&mut commands, (*source, trims), &admitted));
         freed.extend(admitted.refused.iter().copied().chain(admitted.starts.iter().map(|start| start.trim)));
         starts.extend(admitted.starts);
         // Only then can the groups be other ones.
-        let regroup = admitted.changed || trims.iter().any(|t| t.5.is_some_and(|job| job.state == TrimState::Located));
-        if admitted.settled && regroup {
+        let located = trims.iter().any(|t| t.5.is_some_and(|job| job.state == TrimState::Located));
+        if admitted.settled && (admitted.changed || located) {
             freed.extend(begin_groups(&mut commands, trims, &mut run.counted));
         }
     }
@@ -137,9 +145,9 @@ where
 }
 
 /// A trim whose curves are to be located.
-struct Start {
+pub(super) struct Start {
     source: Entity,
-    trim: Entity,
+    pub(super) trim: Entity,
     /// What it reads.
     inputs: TrimInputs,
     /// How many quanta it has waited.
@@ -149,10 +157,10 @@ struct Start {
 }
 
 /// What has come of the trims of one source.
-struct Admitted {
+pub(super) struct Admitted {
     /// Those whose curves are to be located.
-    starts: Vec<Start>,
-    refused: Vec<Entity>,
+    pub(super) starts: Vec<Start>,
+    pub(super) refused: Vec<Entity>,
     /// Is every one that can be made located?
     settled: bool,
     /// Has anything about the trims changed?
@@ -261,44 +269,6 @@ fn candidate<'w>(
     Candidate { trim: entity, now, refusal, unchecked, job: whole }
 }
 
-/// Sends located trims on their way, in groups; those whose group is what it was go on as they are.
-/// Returns those that have begun.
-fn begin_groups(
-    commands: &mut Commands,
-    trims: &[<Job as QueryData>::Item<'_, '_>],
-    counted: &mut Counters,
-) -> Vec<Entity> {
-    let mut begun = Vec::new();
-    let standing: Vec<_> = trims
-        .iter()
-        .filter_map(|trim| Some((trim.0, trim.5?, trim.6?)).filter(|t| t.1.state != TrimState::Failed))
-        .collect();
-    let reserved: Vec<_> = standing.iter().map(|(trim, _, located)| (*trim, located.reserved())).collect();
-    for group in groups(&reserved) {
-        let members: Vec<_> = standing.iter().filter(|trim| group.contains(&trim.0)).collect();
-        let as_before = members.iter().all(|(_, job, _)| job.together == group && job.state != TrimState::Located);
-        if as_before {
-            continue;
-        }
-        counted.written += 1;
-        begun.extend(group.iter().copied());
-        commands.entity(trims[0].2.source).queue_silenced(mark_stale);
-        let (lead, _, first) = members[0];
-        let located = members.iter().map(|(.., located)| Arc::clone(located.found())).collect();
-        let reserved = members.iter().flat_map(|(.., located)| located.reserved()).copied().collect();
-        let work = TrimWork::new(Arc::clone(first.ground()), located, region::ascending(reserved));
-        for &&(trim, job, _) in &members {
-            commands.entity(trim).queue_silenced(mark_other_stale);
-            let led = trim != *lead;
-            let state = if led { TrimState::With(*lead) } else { TrimState::Running(TrimStage::Remesh) };
-            let job = TrimJob { together: group.clone(), ..TrimJob::new(state, job.inputs.clone()) };
-            commands.entity(trim).try_remove::<WorkTraces>().try_insert(job);
-        }
-        commands.entity(*lead).try_insert((work, AtRemesh));
-    }
-    begun
-}
-
 /// Puts trims on their way, on what their sources are now; those whose sources are yet being prepared wait
 /// for that, one step of it in a pass, and others for their curves to be checked.
 fn begin_locating(
@@ -338,26 +308,6 @@ fn begin_locating(
             Err(why) => fail(commands, trim, inputs, why),
         }
         commands.entity(source).queue_silenced(mark_stale);
-        commands.entity(trim).queue_silenced(mark_other_stale);
-    }
-}
-
-/// The last good result stays, and says that it is not the present one.
-fn mark_stale(mut source: EntityWorldMut) {
-    if let Some(&TrimmedTo(result)) = source.get() {
-        source.world_scope(|world| mark_result(world, result));
-    }
-}
-
-fn mark_other_stale(mut trim: EntityWorldMut) {
-    if let Some(&OtherSide(result)) = trim.get() {
-        trim.world_scope(|world| mark_result(world, result));
-    }
-}
-
-fn mark_result(world: &mut World, result: Entity) {
-    if let Ok(mut result) = world.get_entity_mut(result) {
-        result.insert(Stale);
     }
 }
 

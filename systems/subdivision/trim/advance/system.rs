@@ -127,8 +127,8 @@ pub fn advance_trims(
             End::Widen | End::FitMore => {
                 for &trim in &together {
                     match trims.get_mut(trim) {
-                        Ok((.., Some(mut located))) if matches!(end, End::FitMore) => located.fit_more(),
-                        Ok((.., Some(mut located))) => located.widen(),
+                        Ok((.., Some(mut located))) if matches!(end, End::FitMore) => located.fit_more(&together),
+                        Ok((.., Some(mut located))) => located.widen(&together),
                         _ => {}
                     }
                 }

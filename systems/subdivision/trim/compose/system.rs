@@ -26,8 +26,10 @@ type Made = (
     Option<&'static Serial>,
     Option<&'static OtherSide>,
 );
+type Source = (Entity, &'static Ground, Option<&'static TrimmedTo>);
 type Read<'a> = <<Made as QueryData>::ReadOnly as QueryData>::Item<'a, 'a>;
-type Results<'w, 's> = Query<'w, 's, (Entity, &'static ComposedOf, Has<Stale>, Option<&'static OtherSideOf>)>;
+type Results<'w, 's> =
+    Query<'w, 's, (Entity, &'static ComposedOf, Has<Stale>, Option<&'static ResultOf>, Option<&'static OtherSideOf>)>;
 
 /// Trims made together whose result does not fit the rest: which of them fails, and why.
 struct Failure {
@@ -41,7 +43,7 @@ struct Failure {
 pub fn compose_results(
     mut commands: Commands,
     mut trims: Query<Made>,
-    sources: Query<(Entity, &Ground, Option<&TrimmedTo>)>,
+    (sources, trimmed): (Query<Source>, Query<&TrimmedTo>),
     results: Results,
     details: Query<(Entity, &DetailOf)>,
     mut serials: If<ResMut<Serials>>,
@@ -49,7 +51,7 @@ pub fn compose_results(
 ) {
     let mut run = Counters::start();
     let mut failures = Vec::new();
-    drop_others(&mut commands, &trims, &results);
+    drop_results(&mut commands, &trims, &trimmed, &results);
     for (source, ground, result) in &sources {
         let of_source: Vec<Read<'_>> = trims.iter().filter(|(_, trim, ..)| trim.source == source).collect();
         if of_source.iter().any(|(_, _, job, ..)| job.is_running()) {
@@ -58,7 +60,7 @@ pub fn compose_results(
         }
         let pieces = in_order(&of_source);
         let result = result.map(|result| result.0);
-        match composed(&ground.surface, &pieces, result, &results) {
+        match composed(&mut commands, &ground.surface, &pieces, result, &results) {
             Ok(None) => run.counted.skipped += 1,
             Ok(Some((surface, made_of))) => {
                 (run.counted.items, run.counted.written) = (run.counted.items + 1, run.counted.written + 1);
@@ -76,7 +78,7 @@ pub fn compose_results(
         }
         for (trim, others) in others(&pieces) {
             let result = of_source.iter().find(|read| read.0 == trim).and_then(|read| read.5).map(|other| other.0);
-            match composed(&ground.surface, &others, result, &results) {
+            match composed(&mut commands, &ground.surface, &others, result, &results) {
                 Ok(None) => {}
                 Ok(Some((surface, made_of))) => {
                     run.counted.written += 1;
@@ -105,8 +107,10 @@ pub fn compose_results(
     }
 }
 
-/// What is left by all of `pieces`, and what it was put together of; `None` where `result` is that.
+/// What is left by all of `pieces`, and what it was put together of; `None` where `result` is that, or
+/// where nothing is left that could take its place: then it stays, and says that it is old.
 fn composed(
+    commands: &mut Commands,
     source: &LoopSurface,
     pieces: &[&Solved],
     result: Option<Entity>,
@@ -114,8 +118,17 @@ fn composed(
 ) -> Result<Option<(Arc<LoopSurface>, ComposedOf)>, Misfit> {
     let made_of = ComposedOf::of(pieces);
     let before = result.and_then(|result| results.get(result).ok());
-    if before.is_some_and(|(_, of, is_stale, _)| *of == made_of && !is_stale) {
-        return Ok(None);
+    if let Some((result, of, is_stale, ..)) = before {
+        if *of == made_of {
+            // It was old as long as it might have become another one.
+            if is_stale {
+                commands.entity(result).try_remove::<Stale>();
+            }
+            return Ok(None);
+        }
+        if pieces.is_empty() && !is_stale {
+            commands.entity(result).try_insert(Stale);
+        }
     }
     Ok(compose(source, pieces)?.map(|surface| (surface, made_of)))
 }
@@ -154,19 +167,22 @@ fn others<'a>(pieces: &[&'a Solved]) -> Vec<(Entity, Vec<&'a Solved>)> {
     pieces.iter().enumerate().flat_map(of_piece).map(|(k, trim, other)| (trim, with(k, other))).collect()
 }
 
-/// Other sides that nobody asks for any more, or that could not be made, go.
-fn drop_others(commands: &mut Commands, trims: &Query<Made>, results: &Results) {
+/// Results whose source has gone go with it; and so do other sides that nobody asks for any more, or that
+/// could not be made.
+fn drop_results(commands: &mut Commands, trims: &Query<Made>, trimmed: &Query<&TrimmedTo>, results: &Results) {
     let solved = trims.iter().filter_map(|(_, _, _, solved, ..)| solved);
     let made: EntityHashSet = solved.flat_map(|solved| &solved.others).map(|(trim, _)| *trim).collect();
-    for (result, .., of) in results {
-        let Some(&OtherSideOf(trim)) = of else { continue };
+    for (result, .., of, other_of) in results {
+        if of.is_some_and(|of| trimmed.get(of.0).map_or(true, |trimmed| trimmed.0 != result)) {
+            commands.entity(result).despawn();
+        }
+        let Some(&OtherSideOf(trim)) = other_of else { continue };
         // While its trim is at work, the last good one stays.
         let stays = made.contains(&trim) || trims.get(trim).is_ok_and(|(_, _, job, ..)| job.is_running());
         if !stays {
             commands.entity(result).despawn();
-            if trims.contains(trim) {
-                commands.entity(trim).try_remove::<OtherSide>();
-            }
+            // It may have been taken back, or be gone.
+            commands.entity(trim).try_remove::<OtherSide>();
         }
     }
 }
