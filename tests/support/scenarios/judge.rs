@@ -6,19 +6,19 @@ use glam::DVec3;
 use selvedge::TrimProgress;
 use selvedge::bevy_ecs::prelude::*;
 use selvedge::budget::Budgets;
-use selvedge::curve::{Curve, Traversal};
+use selvedge::curve::{Curve, Heading, Traversal};
 use selvedge::evaluate::{Evaluate, SurfacePoint};
 use selvedge::mesh::FaceId;
 use selvedge::subdivision::{Border, Ends, LoopSurface, Snapshot};
 use selvedge::triangulation::{Density, TriangulateOptions};
-use selvedge::trim::Sides;
-use selvedge::trim::Stale;
+use selvedge::trim::{Sides, Stale, TrimOptions};
 use selvedge_systems::closest::SurfaceIndex;
 use selvedge_systems::subdivision::limit::LimitSurface;
 use selvedge_systems::triangulate::triangulate;
 
-use super::Draw;
+use super::grounds::Start;
 use super::world::{Live, Model};
+use super::{Draw, view};
 
 type Bits = [u64; 3];
 type Index = SurfaceIndex<LimitSurface>;
@@ -28,7 +28,7 @@ fn bits(p: DVec3) -> Bits {
 }
 
 /// What is wrong with what a world has come to.
-pub fn judge(live: &mut Live, model: &Model, draw: &mut Draw) -> Option<String> {
+pub fn judge(start: &Start, live: &mut Live, model: &Model, draw: &mut Draw) -> Option<String> {
     let made = |trim: &Entity| matches!(live.engine.trim_progress(*trim), Some(TrimProgress::Finished(_)));
     let done: Vec<usize> = (0..live.trims.len()).filter(|&t| made(&live.trims[t])).collect();
     if done.is_empty() {
@@ -63,7 +63,40 @@ pub fn judge(live: &mut Live, model: &Model, draw: &mut Draw) -> Option<String> 
             return Some(why);
         }
     }
-    None
+    baked(start, live, model, &result, &kept, draw)
+}
+
+/// Is a baked result the same surface, and can it be trimmed in turn?
+fn baked(
+    start: &Start,
+    live: &mut Live,
+    model: &Model,
+    result: &Arc<LoopSurface>,
+    kept: &Index,
+    draw: &mut Draw,
+) -> Option<String> {
+    let entity = live.engine.result(live.source)?;
+    let own = match live.engine.bake(entity) {
+        Ok(own) => own,
+        Err(why) => return Some(why.to_string()),
+    };
+    let line = live.engine.spawn_curve(model.new_line(start, draw).curve?);
+    let cut = [(line, Heading::Against)];
+    let again = live.engine.spawn_trim(own, &cut, Some(model.tolerance), TrimOptions::default());
+    if let Err(busy) = live.settle() {
+        return Some(format!("trimming what was baked: {busy}"));
+    }
+    let Some(surface) = present(live, own) else { return Some("what was baked is refused".into()) };
+    if view::bits(&surface, model) != view::bits(result, model) {
+        return Some("what was baked is not the same surface".into());
+    }
+    if !matches!(live.engine.trim_progress(again), Some(TrimProgress::Finished(_))) {
+        return None;
+    }
+    let Some(left) = live.engine.result(own).and_then(|left| present(live, left)) else {
+        return Some("what was baked is trimmed, and there is no result".into());
+    };
+    within(&left, kept, model.tolerance.fit, draw).err().map(|why| format!("what was baked, trimmed: {why}"))
 }
 
 fn present(live: &Live, result: Entity) -> Option<Arc<LoopSurface>> {

@@ -97,5 +97,5 @@ fn through(grounds: &Grounds, seed: u64, outcome: &mut Outcome) {
     }
     outcome.unequal = view::differ(&mut live, &mut fresh, &model);
     (outcome.made, outcome.refused) = live.counts();
-    outcome.wrong = judge::judge(&mut live, &model, &mut draw);
+    outcome.wrong = judge::judge(ground, &mut live, &model, &mut draw);
 }

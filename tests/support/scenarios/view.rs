@@ -94,7 +94,7 @@ fn hash_point(x: DVec3, hash: &mut DefaultHasher) {
 }
 
 /// All that a surface is.
-fn bits(surface: &LoopSurface, model: &Model) -> String {
+pub fn bits(surface: &LoopSurface, model: &Model) -> String {
     let part = |write: &dyn Fn(&mut DefaultHasher)| {
         let mut hash = DefaultHasher::new();
         write(&mut hash);
