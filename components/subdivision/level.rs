@@ -45,6 +45,8 @@ pub struct LevelMesh {
     pub given: Vec<GivenVertex>,
     /// Those of `vertices` that are special corners, ascending.
     special: Vec<u32>,
+    /// Their neighbours, ascending.
+    beside: Vec<u32>,
     twins: Vec<u32>,
     borders: Vec<u32>,
     border_edges: Vec<BorderEdge>,
@@ -153,6 +155,7 @@ impl LevelMesh {
             vertices: Vec::with_capacity(mesh.vertex_count()),
             given: Vec::new(),
             special: Vec::new(),
+            beside: Vec::new(),
             twins: (0..halfedges).map(twin).collect(),
             borders,
             border_edges,
@@ -173,6 +176,7 @@ impl LevelMesh {
                 corner,
             });
         }
+        level.note_beside();
         level
     }
 
@@ -270,11 +274,28 @@ impl LevelMesh {
         })
     }
 
+    /// Lists the neighbours of special corners.
+    fn note_beside(&mut self) {
+        let is_whole = |&v: &u32| self.vertices[v as usize].ring == RingState::Whole;
+        let mut beside: Vec<u32> = if self.special.iter().all(is_whole) {
+            self.special.iter().flat_map(|&v| self.neighbours(v)).collect()
+        } else {
+            // A ring with gaps does not lead to all of its neighbours.
+            let ends = (0..self.twins.len() as u32).map(|h| [self.from(h), self.to(h)]);
+            let across = |[a, b]: [u32; 2]| [(a, b), (b, a)];
+            let special = |(a, b): (u32, u32)| (self.vertices[a as usize].corner != NONE).then_some(b);
+            ends.flat_map(across).filter_map(special).collect()
+        };
+        beside.sort_unstable();
+        beside.dedup();
+        self.beside = beside;
+    }
+
     /// Is a neighbour of an interior vertex a special corner?
     ///
-    /// There are few of them: to look their names up costs less than to visit all neighbours.
+    /// There are few of them: to look their neighbours up costs less than to visit all neighbours of others.
     pub fn is_beside_special(&self, v: u32) -> bool {
-        !self.special.is_empty() && self.ring(v).any(|h| self.special.binary_search(&self.to(h)).is_ok())
+        self.beside.binary_search(&v).is_ok()
     }
 
     /// The neighbours of a vertex whose ring is whole, counter-clockwise; on a border from the next

@@ -52,6 +52,14 @@ impl Rows {
         self.starts.push(self.columns.len() as u32);
     }
 
+    /// Makes room for the rows of all `others`.
+    fn reserve<'a>(&mut self, others: impl Iterator<Item = &'a Self> + Clone) {
+        let entries = others.clone().map(|other| other.columns.len()).sum();
+        self.starts.reserve(others.map(Self::len).sum());
+        self.columns.reserve(entries);
+        self.weights.reserve(entries);
+    }
+
     /// Adds all rows of `other`.
     pub fn append(&mut self, other: &Self) {
         let before = self.columns.len() as u32;
@@ -108,11 +116,14 @@ impl Step {
         step
     }
 
-    /// Adds the rules of the vertices that come after all that it has.
-    pub fn append(&mut self, next: Self) {
-        self.rows.append(&next.rows);
-        self.offsets.extend(next.offsets);
-        self.flat.extend(next.flat);
+    /// Adds the rules of the vertices that come after all that it has, part by part.
+    pub fn append(&mut self, parts: Vec<Self>) {
+        self.rows.reserve(parts.iter().map(|part| &part.rows));
+        for next in parts {
+            self.rows.append(&next.rows);
+            self.offsets.extend(next.offsets);
+            self.flat.extend(next.flat);
+        }
     }
 
     fn push_vertex(&mut self, mesh: &LevelMesh, v: u32) {
@@ -163,28 +174,35 @@ impl Step {
     }
 
     /// The next level's state from this one's; details stored for the next level are not added
-    /// yet. `effective` is what the rows make of this level's effective points.
+    /// yet. `effective` is what the rows make of this level's effective points. The rules are those of the
+    /// vertices from `first` on, and of these the state is.
     pub fn apply(
         &self,
+        first: u32,
         corners: &CornerTable,
         [coarse, fine]: [&LevelMesh; 2],
         state: &LevelState,
         effective: Vec<DVec3>,
     ) -> LevelState {
-        let mut next = LevelState { effective, details: Vec::with_capacity(fine.given.len()) };
+        let mut next = LevelState { effective, details: Vec::new() };
         for &(v, offset) in &self.offsets {
-            next.effective[v as usize] += offset;
+            next.effective[(v - first) as usize] += offset;
         }
         for &(v, corner, at) in &self.flat {
             let pull = corners.corners[corner as usize].pull;
-            let point = &mut next.effective[v as usize];
+            let point = &mut next.effective[(v - first) as usize];
             *point = flatten(*point, coarse.sample(at), pull);
         }
-        for given in &fine.given {
-            let (columns, weights) = self.rows.row(given.vertex as usize);
+        let begin = fine.given.partition_point(|given| given.vertex < first);
+        for given in &fine.given[begin..] {
+            let row = (given.vertex - first) as usize;
+            if row >= self.rows.len() {
+                break;
+            }
+            let (columns, weights) = self.rows.row(row);
             let d = columns.iter().zip(weights).fold(DVec3::ZERO, |sum, (&c, &w)| sum + w * state.detail(coarse, c));
             next.details.push(d);
-            next.effective[given.vertex as usize] = given.sample - d;
+            next.effective[row] = given.sample - d;
         }
         next
     }
@@ -305,13 +323,16 @@ impl LimitRows {
         vertex.ring != RingState::Cut && !matches!(vertex.kind, Kind::Given(_))
     }
 
-    /// Adds the masks of vertices that come after all that it has.
-    pub fn append(&mut self, next: Self) {
-        let before = self.rows.len() as u32;
-        self.vertices.extend(next.vertices);
-        self.rows.append(&next.rows);
-        self.offsets.extend(next.offsets.into_iter().map(|(row, offset)| (before + row, offset)));
-        self.flat.extend(next.flat.into_iter().map(|term| FlatTerm { row: before + term.row, ..term }));
+    /// Adds the masks of vertices that come after all that it has, part by part.
+    pub fn append(&mut self, parts: Vec<Self>) {
+        self.rows.reserve(parts.iter().map(|part| &part.rows));
+        for next in parts {
+            let before = self.rows.len() as u32;
+            self.vertices.extend(next.vertices);
+            self.rows.append(&next.rows);
+            self.offsets.extend(next.offsets.into_iter().map(|(row, offset)| (before + row, offset)));
+            self.flat.extend(next.flat.into_iter().map(|term| FlatTerm { row: before + term.row, ..term }));
+        }
     }
 
     fn push_beside_corner(&mut self, surface: &LoopSurface, corners: &CornerTable, mesh: &LevelMesh, v: u32) {

@@ -52,7 +52,20 @@ pub fn advance(
     mesh: &LevelMesh,
 ) -> LevelState {
     let effective = map_in_order(step.rows.len(), |r| step.rows.dot(r, &coarse.state.effective));
-    let mut state = step.apply(corners, [&coarse.mesh, mesh], &coarse.state, effective);
+    let mut state = step.apply(0, corners, [&coarse.mesh, mesh], &coarse.state, effective);
+    add_details(surface, details, mesh, &mut state);
+    state
+}
+
+/// As [`advance`], where the rules are wanted once only.
+pub fn descend(
+    surface: &LoopSurface,
+    corners: &CornerTable,
+    details: &Details,
+    coarse: &Level,
+    mesh: &LevelMesh,
+) -> LevelState {
+    let mut state = rules::state(surface, corners, coarse, mesh);
     add_details(surface, details, mesh, &mut state);
     state
 }
@@ -104,7 +117,9 @@ impl Way {
     ) -> Option<Level> {
         let split = self.families.pop()?;
         let local = at.mesh.find_all(&split);
-        Some(refine(surface, corners, details, at, &local).0)
+        let mesh = rules::refine(surface, &at.mesh, &local);
+        let state = descend(surface, corners, details, at, &mesh);
+        Some(Level { mesh, state })
     }
 }
 
@@ -114,9 +129,12 @@ fn add_details(surface: &LoopSurface, details: &Details, mesh: &LevelMesh, state
     if stored.is_empty() {
         return;
     }
-    for (v, address) in mesh.addresses(&surface.mesh).into_iter().enumerate() {
-        let Ok(at) = stored.binary_search_by_key(&address, |d| d.0) else { continue };
-        shift(mesh, state, v as u32, interior_sign(mesh, v as u32) * stored[at].1);
+    let addresses = mesh.addresses(&surface.mesh);
+    let found = map_in_order(addresses.len(), |v| stored.binary_search_by_key(&addresses[v], |d| d.0).ok());
+    for (v, at) in found.into_iter().enumerate() {
+        if let Some(at) = at {
+            shift(mesh, state, v as u32, interior_sign(mesh, v as u32) * stored[at].1);
+        }
     }
 }
 

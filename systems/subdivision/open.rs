@@ -138,7 +138,7 @@ impl Opening {
                 rings.quarters = finer.mesh.find_all(&quarters);
                 Part::FinestFaces
             }
-            Part::FinestFaces => Part::FinestMesh(Box::new(finer.mesh.quarter(&rings.quarters))),
+            Part::FinestFaces => Part::FinestMesh(Box::new(rules::quarter(&finer.mesh, &rings.quarters))),
             Part::FinestMesh(quartered) => {
                 finest.mesh = rules::settle(surface, &finer.mesh, *quartered);
                 Part::FinestStep(0)

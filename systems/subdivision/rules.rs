@@ -3,10 +3,11 @@
 use core::ops::Range;
 
 use selvedge_components::subdivision::{
-    BorderStep, CornerTable, LevelMesh, LimitRows, LoopSurface, Quartered, Step, border_sample,
+    BorderStep, CornerTable, LevelMesh, LevelState, LimitRows, LoopSurface, Quartered, Step, border_sample,
 };
 
-use crate::parallel::{map_dear_in_order, map_in_order};
+use super::chain::Level;
+use crate::parallel::{join, map_dear_in_order, map_in_order};
 
 /// Vertices whose rules are made by one thread at a time.
 const VERTICES: usize = 512;
@@ -21,7 +22,14 @@ fn parts<R: Send>(range: Range<u32>, of: impl Fn(Range<u32>) -> R + Sync + Send)
 
 /// As [`LevelMesh::refine`].
 pub fn refine(surface: &LoopSurface, coarse: &LevelMesh, faces: &[u32]) -> LevelMesh {
-    settle(surface, coarse, coarse.quarter(faces))
+    settle(surface, coarse, quarter(coarse, faces))
+}
+
+/// As [`LevelMesh::quarter`].
+pub fn quarter(coarse: &LevelMesh, faces: &[u32]) -> Quartered {
+    coarse.quarter_with(faces, |a, b| {
+        join(a, b);
+    })
 }
 
 /// The level that has been quartered from `coarse`.
@@ -37,6 +45,25 @@ pub fn step(surface: &LoopSurface, corners: &CornerTable, coarse: &LevelMesh, fi
     step
 }
 
+/// The state of `fine`, a refinement of `coarse`, without the details that are stored for its level: what its
+/// rules make, none of which are kept.
+pub fn state(surface: &LoopSurface, corners: &CornerTable, coarse: &Level, fine: &LevelMesh) -> LevelState {
+    let parts = parts(0..fine.vertices.len() as u32, |range| {
+        let step = Step::of(surface, corners, &coarse.mesh, fine, range.clone());
+        let effective = (0..step.rows.len()).map(|r| step.rows.dot(r, &coarse.state.effective)).collect();
+        step.apply(range.start, corners, [&coarse.mesh, fine], &coarse.state, effective)
+    });
+    let mut all = LevelState {
+        effective: Vec::with_capacity(fine.vertices.len()),
+        details: Vec::with_capacity(fine.given.len()),
+    };
+    for part in parts {
+        all.effective.extend(part.effective);
+        all.details.extend(part.details);
+    }
+    all
+}
+
 /// Adds the rules of the vertices of `range`, which come after all that `step` has, from a coarse level to a
 /// fine one.
 pub fn extend_step(
@@ -47,7 +74,7 @@ pub fn extend_step(
     range: Range<u32>,
 ) {
     let parts = parts(range, |range| Step::of(surface, corners, coarse, fine, range));
-    parts.into_iter().for_each(|part| step.append(part));
+    step.append(parts);
 }
 
 /// As [`LimitRows::new`].
@@ -60,6 +87,6 @@ pub fn limit_rows(
     let mut rows = LimitRows::default();
     let all = 0..mesh.vertices.len() as u32;
     let parts = parts(all, |range| LimitRows::of(surface, corners, mesh, range.filter(|&v| wanted(v))));
-    parts.into_iter().for_each(|part| rows.append(part));
+    rows.append(parts);
     rows
 }

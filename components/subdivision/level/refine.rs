@@ -16,36 +16,54 @@ impl LevelMesh {
 
     /// The faces and vertices of [`Self::refine`], and nothing yet that takes looking at all of them.
     pub fn quarter(&self, faces: &[u32]) -> Quartered {
-        let mut finer = Self {
-            level: self.level + 1,
-            codes: faces.iter().flat_map(|&f| (0..4).map(move |c| self.codes[f as usize].child(c))).collect(),
-            corners: Vec::with_capacity(4 * faces.len()),
-            vertices: Vec::new(),
-            given: Vec::new(),
-            special: Vec::new(),
-            twins: vec![NONE; 12 * faces.len()],
-            borders: vec![NONE; 12 * faces.len()],
-            border_edges: Vec::new(),
-            parents: faces.to_vec(),
-        };
+        self.quarter_with(faces, |links, vertices| {
+            links();
+            vertices();
+        })
+    }
+
+    /// As [`Self::quarter`], in two halves that do not touch: `both` does both, at once if it can.
+    pub fn quarter_with(
+        &self,
+        faces: &[u32],
+        both: impl FnOnce(&mut (dyn FnMut() + Send), &mut (dyn FnMut() + Send)),
+    ) -> Quartered {
         let mut family = vec![NONE; self.corners.len()];
         for (g, &f) in faces.iter().enumerate() {
             family[f as usize] = g as u32;
         }
-        self.link(&family, &mut finer);
-        let halved = self.place_vertices(&family, &mut finer);
-        Quartered { level: finer, halved }
+        let (mut links, mut placed) = (Links::default(), Placed::default());
+        both(&mut || links = self.link(&family, faces), &mut || placed = self.place_vertices(&family, faces));
+        let level = Self {
+            level: self.level + 1,
+            codes: faces.iter().flat_map(|&f| (0..4).map(move |c| self.codes[f as usize].child(c))).collect(),
+            corners: placed.corners,
+            vertices: placed.vertices,
+            given: Vec::new(),
+            special: placed.special,
+            beside: Vec::new(),
+            twins: links.twins,
+            borders: links.borders,
+            border_edges: links.border_edges,
+            parents: faces.to_vec(),
+        };
+        Quartered { level, halved: placed.halved }
     }
 
     /// Twins and borders of the children, from those of the parents.
-    fn link(&self, family: &[u32], finer: &mut Self) {
-        for g in 0..finer.parents.len() as u32 {
+    fn link(&self, family: &[u32], faces: &[u32]) -> Links {
+        let mut finer = Links {
+            twins: vec![NONE; 12 * faces.len()],
+            borders: vec![NONE; 12 * faces.len()],
+            border_edges: Vec::new(),
+        };
+        for (g, &parent) in (0_u32..).zip(faces) {
             let child = |c: u32, i: u32| 3 * (4 * g + c) + i;
             for i in 0..3 {
                 let (inner, outer) = (child(3, i), child((i + 1) % 3, (i + 2) % 3));
                 finer.twins[inner as usize] = outer;
                 finer.twins[outer as usize] = inner;
-                let h = 3 * finer.parents[g as usize] + i;
+                let h = 3 * parent + i;
                 let (first, second) = (child(i, i), child((i + 1) % 3, i));
                 if let Some(twin) = self.twin(h) {
                     let other = family[twin as usize / 3];
@@ -62,13 +80,15 @@ impl LevelMesh {
                 }
             }
         }
+        finer
     }
 
     /// Vertices of the children: first those that stand for a vertex, in its order, then those that
-    /// halve an edge, in the order of the smaller half-edge. Returns those that halve a border edge.
-    fn place_vertices(&self, family: &[u32], finer: &mut Self) -> Vec<u32> {
+    /// halve an edge, in the order of the smaller half-edge.
+    fn place_vertices(&self, family: &[u32], faces: &[u32]) -> Placed {
+        let mut finer = Placed { corners: Vec::with_capacity(4 * faces.len()), ..Placed::default() };
         let mut of_vertex = vec![NONE; self.vertices.len()];
-        for &f in &finer.parents {
+        for &f in faces {
             for v in self.corners[f as usize] {
                 of_vertex[v as usize] = 0;
             }
@@ -83,9 +103,8 @@ impl LevelMesh {
             finer.special.extend((self.vertices[v].corner != NONE).then_some(*name));
             finer.vertices.push(LevelVertex { start, origin, ring: RingState::Whole, ..self.vertices[v] });
         }
-        let mut halved = Vec::new();
         let mut of_edge = vec![NONE; self.twins.len()];
-        for (g, &f) in finer.parents.iter().enumerate() {
+        for (g, &f) in faces.iter().enumerate() {
             for i in 0..3 {
                 let h = 3 * f + i;
                 if of_edge[h as usize] != NONE {
@@ -98,7 +117,7 @@ impl LevelMesh {
                     of_edge[twin as usize] = name;
                 }
                 let on_border = self.border(h).is_some();
-                halved.extend(on_border.then_some(name));
+                finer.halved.extend(on_border.then_some(name));
                 finer.vertices.push(LevelVertex {
                     start: 3 * (4 * g as u32 + (i + 1) % 3) + i,
                     valence: if on_border { 4 } else { 6 },
@@ -109,12 +128,12 @@ impl LevelMesh {
                 });
             }
         }
-        for &f in &finer.parents {
+        for &f in faces {
             let corners = self.corners[f as usize].map(|v| of_vertex[v as usize]);
             let middles = [0, 1, 2].map(|i| of_edge[3 * f as usize + i]);
             finer.corners.extend(quartered(corners, middles));
         }
-        halved
+        finer
     }
 
     /// Marks the vertices where faces are missing, and gives those without a start one.
@@ -156,6 +175,24 @@ impl LevelMesh {
     }
 }
 
+/// How the half-edges of a finer level hang together.
+#[derive(Default)]
+struct Links {
+    twins: Vec<u32>,
+    borders: Vec<u32>,
+    border_edges: Vec<BorderEdge>,
+}
+
+/// The vertices of a finer level.
+#[derive(Default)]
+struct Placed {
+    corners: Vec<[u32; 3]>,
+    vertices: Vec<LevelVertex>,
+    special: Vec<u32>,
+    /// Those that halve border edges, ascending.
+    halved: Vec<u32>,
+}
+
 /// A place of a border: a side, and how many steps of the level from its beginning.
 pub type BorderStep = (u32, u64);
 
@@ -173,6 +210,7 @@ impl Quartered {
     pub fn settle(self, coarser: &LevelMesh, samples: impl FnOnce(&[BorderStep]) -> Vec<Option<DVec3>>) -> LevelMesh {
         let Self { level: mut finer, halved } = self;
         finer.mark_cuts();
+        finer.note_beside();
         finer.keep_samples(coarser);
         // Edges were linked and halved in one order, the second half of each after its first.
         let steps: Vec<BorderStep> =

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use selvedge_components::mesh::VertexId;
-use selvedge_components::subdivision::{CornerTable, FaceCode, LevelMesh, LoopSurface, Step};
+use selvedge_components::subdivision::{CornerTable, FaceCode, LevelMesh, LoopSurface};
 
 use super::plan::Plan;
 use super::{KeptLevel, LimitError, LimitSurface};
@@ -32,7 +32,6 @@ enum Finer {
     #[default]
     Nothing,
     Mesh(LevelMesh),
-    Step(LevelMesh, Step),
     Level(Level),
 }
 
@@ -93,11 +92,7 @@ impl LimitBuild {
         self.finer = match core::mem::take(&mut self.finer) {
             Finer::Nothing => Finer::Mesh(rules::refine(surface, &level.mesh, &level.mesh.find_all(refined))),
             Finer::Mesh(mesh) => {
-                let step = rules::step(surface, corners, &level.mesh, &mesh);
-                Finer::Step(mesh, step)
-            }
-            Finer::Step(mesh, step) => {
-                let state = chain::advance(surface, corners, &surface.details, &step, level, &mesh);
+                let state = chain::descend(surface, corners, &surface.details, level, &mesh);
                 Finer::Level(Level { mesh, state })
             }
             Finer::Level(finer) => {

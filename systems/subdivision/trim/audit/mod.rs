@@ -22,7 +22,7 @@ use crate::subdivision::region;
 use crate::subdivision::remesh::Remeshed;
 
 /// Faces measured in one work quantum: some milliseconds.
-const QUANTUM: usize = 64;
+const QUANTUM: usize = 192;
 
 /// Border samples judged in one work quantum: a curve may cost some microseconds a point.
 const BORDER_QUANTUM: usize = 1024;

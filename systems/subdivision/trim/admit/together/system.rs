@@ -21,11 +21,10 @@ pub(in super::super) fn part(
     (source, trims): (Entity, &[<Job as QueryData>::Item<'_, '_>]),
     admitted: &Admitted,
 ) -> Vec<Entity> {
-    let goes_on: EntityHashSet = trims
-        .iter()
-        .map(|trim| trim.0)
-        .filter(|trim| !admitted.refused.contains(trim) && admitted.starts.iter().all(|start| start.trim != *trim))
-        .collect();
+    let mut goes_on: EntityHashSet = trims.iter().map(|trim| trim.0).collect();
+    for trim in admitted.refused.iter().chain(admitted.starts.iter().map(|start| &start.trim)) {
+        goes_on.remove(trim);
+    }
     let mut parted = Vec::new();
     for (trim, job) in trims.iter().filter_map(|trim| Some((trim.0, trim.5?))) {
         if goes_on.contains(&trim) && job.together.iter().any(|other| !goes_on.contains(other)) {
