@@ -174,8 +174,10 @@ impl Step {
     }
 
     /// The next level's state from this one's; details stored for the next level are not added
-    /// yet. `effective` is what the rows make of this level's effective points. The rules are those of the
-    /// vertices from `first` on, and of these the state is.
+    /// yet. `effective` is what the rows make of this level's effective points.
+    ///
+    /// These may be the rules of some vertices only: row 0 then is that of vertex `first` of `fine`, and the
+    /// state is that of these vertices alone, from there on. `first` is 0 for a whole level.
     pub fn apply(
         &self,
         first: u32,

@@ -49,7 +49,6 @@ impl Plate {
         let result = self.cut(cuts, &RemeshOptions::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
         picture(&format!("{name}.svg"), &result);
         let verdict = judge_union(&self.surface, cuts, &result);
-        println!("{name}: {verdict:?} {} faces", result.surface.mesh.face_count());
         (result, verdict)
     }
 

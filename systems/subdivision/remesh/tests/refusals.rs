@@ -118,7 +118,6 @@ fn a_smaller_reach_changes_less() {
         let farthest =
             result.changed.iter().map(|v| (result.limit[v.index()].truncate() - DVec2::new(0.01, 0.0)).length() - 0.06);
         let farthest = farthest.fold(0.0, f64::max);
-        println!("reach {reach}: {farthest} {} faces", result.surface.mesh.face_count());
         assert!(farthest <= reach && farthest <= last, "{farthest} of {reach}");
         last = farthest;
         judge(&plate, &cuts, &result);

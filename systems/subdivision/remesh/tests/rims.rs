@@ -60,7 +60,6 @@ fn sound(name: &str, source: &LoopSurface, curves: &[Cut]) -> (Remeshed, Verdict
     let result = result.unwrap_or_else(|e| panic!("{name}: {e}"));
     picture(&format!("{name}.svg"), &result);
     let verdict = judge_union(source, &cuts, &result);
-    println!("{name}: {verdict:?} {} faces", result.surface.mesh.face_count());
     (result, verdict)
 }
 

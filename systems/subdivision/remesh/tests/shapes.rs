@@ -43,7 +43,6 @@ fn sound(name: &str, plate: &LoopSurface, walker: &Walker, cuts: &[Cut]) -> (Rem
     let result = cut_out(plate, walker, cuts).unwrap_or_else(|e| panic!("{name}: {e}"));
     picture(&format!("{name}.svg"), &result);
     let verdict = judge(plate, cuts, &result);
-    println!("{name}: {verdict:?} {:?}", result.relaxed[0]);
     (result, verdict)
 }
 
