@@ -5,12 +5,16 @@
 //! side of visiting too much; the caller's exact test in f64 decides. Visits come in an order that
 //! follows from the boxes alone.
 
+mod along;
+
 use std::time::Duration;
 
 use glam::DVec3;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams};
+
+use along::Fours;
 
 /// A box with sides along the axes, in model units. Empty where `min` exceeds `max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,6 +68,7 @@ pub struct Bvh {
     /// Boxes are kept as `(x - origin) * scale`.
     origin: DVec3,
     scale: f64,
+    fours: Fours,
 }
 
 /// Children of an inner node stand side by side from `first`; primitives of a leaf too.
@@ -118,7 +123,7 @@ impl Bvh {
             first: node.first_index,
             count: node.prim_count,
         });
-        Self { nodes: nodes.collect(), primitives: tree.primitive_indices, origin, scale }
+        Self { nodes: nodes.collect(), primitives: tree.primitive_indices, origin, scale, fours: Fours::default() }
     }
 
     /// How many boxes there are.
@@ -200,39 +205,6 @@ impl Bvh {
         }
     }
 
-    /// Visits the boxes that the line `origin + t direction` may meet for `t` in `range`, roughly in
-    /// the order of `t`. `visit` gets a box and the range's end so far and returns the new one.
-    pub fn along(&self, origin: DVec3, direction: DVec3, range: [f64; 2], mut visit: impl FnMut(u32, f64) -> f64) {
-        let line = Line::new((origin - self.origin) * self.scale, direction * self.scale);
-        let [begin, mut end] = range;
-        let mut stack = Stack::new();
-        let entry = |n: u32, end: f64| line.entry(&self.nodes[n as usize].bounds(), begin, end);
-        if !self.nodes.is_empty() {
-            stack.push((entry(0, end), 0));
-        }
-        while let Some((t, n)) = stack.pop() {
-            // What the line misses is never entered.
-            if t > end || t == f64::INFINITY {
-                continue;
-            }
-            let node = self.nodes[n as usize];
-            if node.count > 0 {
-                for &primitive in self.leaf(&node) {
-                    end = visit(primitive, end);
-                }
-                continue;
-            }
-            let (a, b) = ((entry(node.first, end), node.first), (entry(node.first + 1, end), node.first + 1));
-            let (near, far) = if b.0 < a.0 { (b, a) } else { (a, b) };
-            if far.0 < f64::INFINITY {
-                stack.push(far);
-            }
-            if near.0 < f64::INFINITY {
-                stack.push(near);
-            }
-        }
-    }
-
     /// Visits the pairs of a box here and a box of `other` that may share a point.
     pub fn pairs(&self, other: &Self, mut visit: impl FnMut(u32, u32)) {
         if self.nodes.is_empty() || other.nodes.is_empty() {
@@ -292,46 +264,6 @@ impl Node {
 impl Bounds {
     fn size(&self) -> f64 {
         (self.max - self.min).element_sum()
-    }
-}
-
-struct Line {
-    origin: DVec3,
-    /// One over the direction's coordinates.
-    inverse: DVec3,
-    /// Along which axes the line does not run at all.
-    across: [bool; 3],
-}
-
-impl Line {
-    fn new(origin: DVec3, direction: DVec3) -> Self {
-        let inverse = direction.recip();
-        Self { origin, inverse, across: inverse.to_array().map(f64::is_infinite) }
-    }
-
-    /// Where the line enters `bounds` within `[begin, end]`; infinity where it does not.
-    #[inline]
-    fn entry(&self, bounds: &Bounds, begin: f64, end: f64) -> f64 {
-        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-        for axis in 0..3 {
-            let (o, inverse) = (self.origin[axis], self.inverse[axis]);
-            let (low, high) = (bounds.min[axis], bounds.max[axis]);
-            if self.across[axis] {
-                if o < low || o > high {
-                    return f64::INFINITY;
-                }
-                continue;
-            }
-            let (near, far) = if inverse < 0.0 { (high, low) } else { (low, high) };
-            let (near, far) = ((near - o) * inverse, (far - o) * inverse);
-            // Plain comparisons: what is no number cuts nothing off.
-            enter = if near > enter { near } else { enter };
-            leave = if far < leave { far } else { leave };
-        }
-        // Three roundings each, taken outward.
-        let slack = 4.0 * f64::EPSILON;
-        let (enter, leave) = (begin.max(enter - slack * enter.abs()), end.min(leave + slack * leave.abs()));
-        if enter <= leave { enter } else { f64::INFINITY }
     }
 }
 

@@ -139,7 +139,8 @@ impl Ring {
             let s0 = (samples[0] - border.sample) + (samples[1] - border.sample);
             let jump = (d_next - d) + (d_previous - d);
             t += d * (3.0 * z + 6.0 * a) + jump * (z / 3.0 + a) - s0 * (0.25 * z + a);
-            t -= self.second_differences(scheme, border, s0) * (0.25 * z);
+            let edge = inside.length();
+            t -= self.second_differences(scheme, border, s0, edge) * (0.25 * z);
         }
         t * (2.0 / (k - 1) as f64)
     }
@@ -147,9 +148,10 @@ impl Ring {
     /// `s_1 + s_2 + ...` of [`Self::transverse`].
     ///
     /// The border is smooth on both sides of the vertex, so `s_j` is a series in powers of `2^-j`, and so
-    /// is what is left after `n` terms: Romberg's scheme takes its powers away one by one. The
+    /// is what is left after `n` terms: Romberg's scheme takes its powers away one by one. It ends
+    /// where a term moves the estimate by less than [`STEADY`] of an `edge` of the ring. The
     /// samples' rounding doubles from term to term, so the estimate that moved least is the best.
-    fn second_differences(&self, scheme: Scheme<'_>, border: &BorderPlace, s0: DVec3) -> DVec3 {
+    fn second_differences(&self, scheme: Scheme<'_>, border: &BorderPlace, s0: DVec3, edge: f64) -> DVec3 {
         const MOST: usize = 16;
         let side = |(s, _): (u32, u64)| &scheme.surface.sides[s as usize];
         let term = |j: u32| {
@@ -179,7 +181,7 @@ impl Ring {
                 (best, moved) = (corrected, change);
             }
             let rounding = f64::EPSILON * f64::from(1_u32 << j) * border.sample.abs().max_element();
-            if moved <= rounding.max(4.0 * f64::EPSILON * s0.length()) {
+            if moved <= rounding.max(STEADY * edge) {
                 break;
             }
             row[j] = corrected;
@@ -228,6 +230,10 @@ impl Ring {
         Tangents { along: first, across, angle, ends: Some(ends) }
     }
 }
+
+/// By how much of an edge the last of a series' estimates has moved, at most. The estimate after it is off by
+/// far less, for it has one power of 1/2 more.
+const STEADY: f64 = 1e-10;
 
 /// The finest level at which a curve is sampled: a side of a million edges still has indices.
 pub(super) const FINEST_SAMPLE: u32 = 43;
