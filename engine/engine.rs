@@ -19,6 +19,7 @@ use selvedge_components::tolerance::Tolerance;
 use selvedge_components::trim::{
     OtherSide, PreImagePoint, Trim, TrimFailed, TrimJob, TrimOptions, TrimReport, TrimStage, TrimState, TrimmedTo,
 };
+use selvedge_systems::triangulate::Triangulating;
 use thiserror::Error;
 
 use crate::{
@@ -42,6 +43,7 @@ pub struct Engine {
     schedule: Schedule,
     jobs: QueryState<(Entity, Option<&'static FitJob>, Option<&'static TrimJob>), JobOrTrim>,
     unchecked: QueryState<(), With<CurveUnchecked>>,
+    triangulating: QueryState<(Entity, &'static Triangulating)>,
 }
 
 impl fmt::Debug for Engine {
@@ -104,7 +106,7 @@ pub enum Pass {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{} jobs do not move: no system takes a step for them", .jobs.len())]
 pub struct Stalled {
-    /// The jobs.
+    /// The jobs, and surfaces whose triangles are being made.
     pub jobs: Vec<Entity>,
 }
 
@@ -121,8 +123,8 @@ impl Engine {
         schedule.set_executor(SingleThreadedExecutor::new());
         schedule.set_build_settings(strict());
         install(&mut world, &mut schedule);
-        let (jobs, unchecked) = (world.query_filtered(), world.query_filtered());
-        Self { world, schedule, jobs, unchecked }
+        let (jobs, unchecked, triangulating) = (world.query_filtered(), world.query_filtered(), world.query());
+        Self { world, schedule, jobs, unchecked, triangulating }
     }
 
     /// The world.
@@ -244,13 +246,14 @@ impl Engine {
         })
     }
 
-    /// One pass: what has changed is gathered and checked, and every running job takes one step.
+    /// One pass: what has changed is gathered and checked, every running job takes one step, and
+    /// triangles are made or gone on with.
     pub fn update(&mut self) -> Pass {
-        let before = self.jobs();
+        let before = self.work();
         self.pass();
-        let after = self.jobs();
+        let after = self.work();
         // A job that has just ended has changed its surface: one more pass gathers that.
-        let is_idle = before == after && !after.iter().any(is_running) && self.unchecked() == 0;
+        let is_idle = before.jobs == after.jobs && after.running().is_empty() && after.unchecked == 0;
         if is_idle { Pass::Idle } else { Pass::Busy }
     }
 
@@ -259,15 +262,14 @@ impl Engine {
     /// # Errors
     /// [`Stalled`] when jobs are left that no system moves.
     pub fn settle(&mut self) -> Result<u64, Stalled> {
-        let mut before = (self.jobs(), self.unchecked());
+        let mut before = self.work();
         let mut passes = 0;
         loop {
             self.pass();
             passes += 1;
-            let after = (self.jobs(), self.unchecked());
+            let after = self.work();
             if before == after {
-                let after = after.0;
-                let jobs: Vec<_> = after.iter().filter(|job| is_running(job)).map(|job| job.0).collect();
+                let jobs = after.running();
                 return if jobs.is_empty() { Ok(passes) } else { Err(Stalled { jobs }) };
             }
             before = after;
@@ -292,13 +294,8 @@ impl Engine {
         self.world.clear_trackers();
     }
 
-    /// How many curves wait to be checked.
-    fn unchecked(&mut self) -> usize {
-        self.unchecked.iter(&self.world).count()
-    }
-
-    /// Where every job and trim stands, by entity.
-    fn jobs(&mut self) -> Vec<Standing> {
+    /// How far everything is that takes more than a pass.
+    fn work(&mut self) -> Work {
         let jobs = self.jobs.iter(&self.world);
         let mut jobs: Vec<_> = jobs
             .map(|(entity, fit, trim)| {
@@ -307,13 +304,35 @@ impl Engine {
             })
             .collect();
         jobs.sort_unstable_by_key(|job| job.0);
-        jobs
+        let triangulating = self.triangulating.iter(&self.world);
+        let mut triangulating: Vec<_> =
+            triangulating.map(|(entity, work)| (entity, work.from().revision, work.passes())).collect();
+        triangulating.sort_unstable();
+        Work { jobs, unchecked: self.unchecked.iter(&self.world).count(), triangulating }
     }
+}
+
+/// What takes more than a pass.
+#[derive(PartialEq)]
+struct Work {
+    /// Where every job and trim stands, by entity.
+    jobs: Vec<Standing>,
+    /// How many curves wait to be checked.
+    unchecked: usize,
+    /// The surfaces whose triangles are being made: of which revision, and for how many passes.
+    triangulating: Vec<(Entity, u64, u64)>,
 }
 
 /// Where a job or a trim stands: what it is, and how many quanta it has taken.
 type Standing = (Entity, Option<JobState>, Option<TrimState>, u64);
 
-fn is_running(&(_, fit, trim, _): &Standing) -> bool {
-    matches!(fit, Some(JobState::Running(_))) || trim.is_some_and(TrimState::is_running)
+impl Work {
+    /// The jobs and surfaces that a pass should move.
+    fn running(&self) -> Vec<Entity> {
+        let is_running = |&&(_, fit, trim, _): &&Standing| {
+            matches!(fit, Some(JobState::Running(_))) || trim.is_some_and(TrimState::is_running)
+        };
+        let jobs = self.jobs.iter().filter(is_running).map(|job| job.0);
+        jobs.chain(self.triangulating.iter().map(|surface| surface.0)).collect()
+    }
 }

@@ -138,6 +138,20 @@ mod peer {
         Ok(())
     }
 
+    /// Passes until nothing is left to do: how many, and the longest.
+    fn passes(engine: &mut Engine) -> (usize, Duration) {
+        let (mut count, mut longest) = (0, Duration::ZERO);
+        loop {
+            let pass = Instant::now();
+            let state = engine.update();
+            longest = longest.max(pass.elapsed());
+            count += 1;
+            if state == Pass::Idle {
+                return (count, longest);
+            }
+        }
+    }
+
     pub fn bore(surface: &LoopSurface, bores: &[Bore], eps: f64, output: Output) -> Result<(), Box<dyn Error>> {
         let index = wavy::indexed(surface)?;
         let mut engine = Engine::new();
@@ -151,29 +165,22 @@ mod peer {
             let cuts = [(curve, Heading::Against)];
             trims.push(engine.spawn_trim(source, &cuts, Some(tolerance), TrimOptions::default()));
         }
-        let (mut passes, mut longest) = (0, Duration::ZERO);
-        loop {
-            let pass = Instant::now();
-            let state = engine.update();
-            longest = longest.max(pass.elapsed());
-            passes += 1;
-            if state == Pass::Idle {
-                break;
-            }
-        }
+        let trim_passes = passes(&mut engine);
         let trimmed = (start.elapsed(), processor_time()? - cpu);
         let result = engine.result(source).ok_or("there is no result")?;
         if output == Output::Triangles {
             engine.world_mut().entity_mut(result).insert((TriangulateOptions::default(), tolerance));
-            engine.update();
         }
+        let triangle_passes = passes(&mut engine);
         let all = (start.elapsed(), processor_time()? - cpu);
         let world = engine.world();
         say!("faces.source {}", surface.mesh.face_count());
         say!("bores {}", bores.len());
         say!("wall.trim {:.4}\ncpu.trim {:.4}", trimmed.0.as_secs_f64(), trimmed.1.as_secs_f64());
         say!("wall {:.4}\ncpu {:.4}", all.0.as_secs_f64(), all.1.as_secs_f64());
-        say!("passes {passes}\nlongest_pass_ms {:.2}", longest.as_secs_f64() * 1e3);
+        for (what, (count, longest)) in [("trim", trim_passes), ("triangulate", triangle_passes)] {
+            say!("passes.{what} {count}\nlongest_pass_ms.{what} {:.2}", longest.as_secs_f64() * 1e3);
+        }
         let d = world.resource::<SubdivisionDiagnostics>();
         let stages = [
             ("admit", d.admit),

@@ -262,11 +262,11 @@ pub const STAGES: &[StageContract] = &[
     StageContract {
         set: "SelvedgeSystems::Triangulate",
         system: "triangulate_surfaces",
-        does: "triangulates surfaces that ask for it, where surface or options have become other ones",
+        does: "goes on triangulating surfaces that ask for it, where surface or options have become other ones",
         reads: &["Budgets", "Snapshot", "Tolerance", "TriangulateOptions", "Triangulated"],
-        writes: &["GroundDiagnostics"],
-        inserts: &["Triangles", "Triangulated", "TriangulationFailed", "TriangulationReport"],
-        removes: &["TriangulationFailed"],
+        writes: &["GroundDiagnostics", "Triangulating"],
+        inserts: &["Triangles", "Triangulated", "Triangulating", "TriangulationFailed", "TriangulationReport"],
+        removes: &["Triangulating", "TriangulationFailed"],
     },
     StageContract {
         set: "SelvedgeSystems::Audit",

@@ -24,7 +24,7 @@ pub use entities::{
 };
 pub use lattice::{Lattice, TooFine};
 pub use level::{
-    BorderStep, GivenVertex, Kind, LevelMesh, LevelVertex, NONE, Origin, Quartered, RingState, SideEnd, previous,
+    BorderStep, GivenVertex, Kind, LevelMesh, LevelVertex, NONE, Origin, Quartered, RingState, SideEnd, next, previous,
     sample as border_sample,
 };
 pub use local::{Descent, LimitFrame, Patch, PatchLattice, Ring, Scheme, Tangents, limit_frame};

@@ -5,6 +5,7 @@
 //! vertex inside an edge where the middle of the edge is a vertex: then its neighbour is finer.
 
 use core::ops::Range;
+use std::sync::Arc;
 
 use glam::DVec3;
 use selvedge_components::mesh::FaceId;
@@ -16,9 +17,9 @@ use super::forest::{Forest, Tile};
 use super::measure::{Facet, Over, shape};
 use super::names::{Names, Plot};
 use super::sample::{Pieces, Place};
-use super::vertices;
-use super::{Normals, Subject, TriangulateError, Triangulation, TriangulationReport};
-use crate::parallel::map_in_order;
+use super::vertices::VertexWork;
+use super::{Normals, QUANTUM, Subject, TriangulateError, Triangulation, TriangulationReport, quantum};
+use crate::parallel::{map_dear_in_order, map_in_order};
 
 /// The triangles of a forest, and how they came about.
 #[derive(Debug)]
@@ -64,33 +65,78 @@ impl Leaf {
     }
 }
 
-/// Builds the triangles of `forest`.
-///
-/// # Errors
-/// [`TriangulateError::LimitNotFinite`].
-pub fn assemble(subject: &Subject, forest: &Forest, normals: Normals) -> Result<Assembly, TriangulateError> {
-    let mesh = &*subject.surface.mesh;
-    let plots = map_in_order(mesh.face_count(), |f| Plot::new(mesh, forest, FaceId::new(f)));
-    let names = Names::new(mesh, 1 << forest.finest(), &plots);
-    let mut triangles = vertices::evaluate(subject, &names, normals);
-    let positions = &triangles.positions;
-    let cut = map_in_order(mesh.face_count(), |f| cut_leaves(&names, FaceId::new(f), positions));
-    let count = |pick: fn(&Cut) -> usize| cut.iter().map(pick).sum();
-    let mut leaves: Vec<Leaf> = Vec::with_capacity(count(|cut| cut.leaves.len()));
-    let mut all: Vec<[u32; 3]> = Vec::with_capacity(count(|cut| cut.triangles.len()));
-    triangles.faces.reserve(all.capacity());
-    let mut first_leaves = vec![0];
-    for (f, cut) in cut.into_iter().enumerate() {
-        let first = all.len() as u32;
-        leaves.extend(cut.leaves.into_iter().map(|leaf| Leaf { first: leaf.first + first, ..leaf }));
-        all.extend(cut.triangles);
-        triangles.faces.resize(all.len(), FaceId::new(f));
-        first_leaves.push(leaves.len());
+/// The triangles of a forest in the making.
+#[derive(Debug)]
+pub enum AssembleWork {
+    /// What stands on the first root faces.
+    Plots(Vec<Plot>),
+    /// Vertices that have names, some of them evaluated.
+    Vertices(Names, VertexWork),
+    /// Triangles of the first root faces.
+    Cut(Names, Assembly),
+}
+
+impl Default for AssembleWork {
+    fn default() -> Self {
+        Self::Plots(Vec::new())
     }
-    triangles.triangles = all;
-    let assembly = Assembly { triangles, leaves, first_leaves };
-    assembly.check()?;
-    Ok(assembly)
+}
+
+impl AssembleWork {
+    /// Takes the next step of building the triangles of `forest`, and adds to `spent` what it costs; the
+    /// triangles, once they are there.
+    ///
+    /// # Errors
+    /// [`TriangulateError::LimitNotFinite`].
+    pub fn advance(
+        &mut self,
+        subject: &Subject,
+        forest: &Forest,
+        normals: Normals,
+        spent: &mut usize,
+    ) -> Result<Option<Assembly>, TriangulateError> {
+        let mesh = &subject.surface.mesh;
+        let faces = mesh.face_count();
+        match self {
+            Self::Plots(plots) if plots.len() < faces => {
+                // As many as have a quantum of leaves on the average.
+                let count = QUANTUM.saturating_mul(faces) / forest.leaf_count();
+                let (first, count) = (plots.len(), count.clamp(1, faces - plots.len()));
+                plots.extend(map_dear_in_order(count, |f| Plot::new(mesh, forest, FaceId::new(first + f))));
+                *spent += plots[first..].iter().map(|plot| plot.leaves.len()).sum::<usize>();
+            }
+            Self::Plots(plots) => {
+                let names = Names::new(Arc::clone(mesh), 1 << forest.finest(), core::mem::take(plots));
+                *spent += names.count() / 8;
+                let work = VertexWork::new(mesh, &names);
+                *self = Self::Vertices(names, work);
+            }
+            Self::Vertices(names, work) => {
+                let evaluated = work.advance(subject, names, normals);
+                *spent += evaluated;
+                if evaluated == 0
+                    && let Self::Vertices(names, work) = core::mem::take(self)
+                {
+                    *self = Self::Cut(names, Assembly::new(work.finish(), forest.leaf_count()));
+                }
+            }
+            Self::Cut(names, assembly) => {
+                let first = assembly.first_leaves.len() - 1;
+                let (end, leaves) = quantum(first, faces, |f| names.plot(FaceId::new(f)).leaves.len());
+                let positions = &assembly.triangles.positions;
+                let cut = map_dear_in_order(end - first, |f| cut_leaves(names, FaceId::new(first + f), positions));
+                cut.into_iter().for_each(|cut| assembly.add(cut));
+                *spent += leaves / 2;
+                if end == faces
+                    && let Self::Cut(_, assembly) = core::mem::take(self)
+                {
+                    assembly.check()?;
+                    return Ok(Some(assembly));
+                }
+            }
+        }
+        Ok(None)
+    }
 }
 
 /// What one root face comes to; leaves count their triangles from its first.
@@ -118,6 +164,25 @@ fn cut_leaves(names: &Names, face: FaceId, positions: &[DVec3]) -> Cut {
 }
 
 impl Assembly {
+    /// Vertices and no triangles; leaves are to come, and a few more triangles.
+    fn new(vertices: Triangles, leaves: usize) -> Self {
+        let mut triangles = vertices;
+        let most = leaves + leaves / 4;
+        triangles.triangles.reserve(most);
+        triangles.faces.reserve(most);
+        Self { triangles, leaves: Vec::with_capacity(leaves), first_leaves: vec![0] }
+    }
+
+    /// Adds the next root face.
+    fn add(&mut self, cut: Cut) {
+        let Triangles { triangles, faces, .. } = &mut self.triangles;
+        let (face, first) = (FaceId::new(self.first_leaves.len() - 1), triangles.len() as u32);
+        self.leaves.extend(cut.leaves.into_iter().map(|leaf| Leaf { first: leaf.first + first, ..leaf }));
+        triangles.extend(cut.triangles);
+        faces.resize(triangles.len(), face);
+        self.first_leaves.push(self.leaves.len());
+    }
+
     /// How many triangles there are.
     pub fn triangle_count(&self) -> usize {
         self.triangles.triangles.len()
@@ -236,7 +301,7 @@ impl Assembly {
 }
 
 /// The triangles around every vertex.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Around {
     starts: Vec<u32>,
     triangles: Vec<u32>,

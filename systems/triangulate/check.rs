@@ -12,11 +12,11 @@ use glam::DVec3;
 use selvedge_components::mesh::{FaceId, HalfedgeId};
 use selvedge_components::subdivision::Deviation;
 
-use super::Subject;
 use super::assemble::{Around, Assembly, Leaf, LeafKey};
 use super::inner::Inner;
 use super::measure::Facet;
-use super::sample::{Farthest, Grid, Piece, Place, Sampled, borders};
+use super::sample::{Farthest, Grid, Piece, Place, Sampled, borders, is_beyond};
+use super::{QUANTUM, Subject, quantum};
 use crate::parallel::map_dear_in_order;
 use crate::subdivision::limit::Nest;
 
@@ -26,34 +26,182 @@ const SHARP: f64 = 0.8;
 
 /// How many leaves are measured at a time to find the farthest: few at first, since they tell how many
 /// more must be, and then enough for every core.
-const AT_A_TIME: [usize; 2] = [64, 1024];
+const AT_A_TIME: [usize; 2] = [64, 512];
 
-/// By leaf, the farthest point that was found; nothing where a bound lies within the chord and below the
-/// farthest of all.
-///
-/// If a leaf fails that is to be quartered, those which cost more are not measured: they are when the
-/// next forest has its triangles.
-pub fn check(subject: &Subject, assembly: &Assembly, chord: f64, last_level: u32, known: &mut Known) -> Vec<Farthest> {
-    let checker = Checker::new(subject, assembly, chord);
-    let bounds = checker.bounds(known);
-    let mut found: Vec<Option<Farthest>> = vec![None; bounds.len()];
-    let turns: [fn(f64) -> bool; 2] = [|bound| bound.is_finite(), |bound| !bound.is_finite()];
-    for turn in turns {
-        let due: Vec<usize> = (0..bounds.len()).filter(|&i| bounds[i] > chord && turn(bounds[i])).collect();
-        for (i, measured) in checker.measure(&due, known, SHARP * chord) {
-            found[i] = Some(measured.farthest);
-            if measured.alone {
-                known.alone.insert(assembly.leaves[i].key(), measured.farthest);
-            }
-        }
-        let fails = |(leaf, found): (&Leaf, &Option<Farthest>)| {
-            leaf.place.level < last_level && found.is_some_and(|found| is_beyond(&found, chord))
-        };
-        if assembly.leaves.iter().zip(&found).any(fails) {
-            return found.into_iter().map(Option::unwrap_or_default).collect();
+/// Finished triangles that are being measured.
+#[derive(Debug)]
+pub struct CheckWork {
+    assembly: Assembly,
+    around: Around,
+    /// The unit normals of the triangles; zero without an area.
+    normals: Vec<DVec3>,
+    /// By vertex, how far the border is off the edges of leaves about it; empty if none is off.
+    off_rim: Vec<f64>,
+    weights: Vec<[f64; 3]>,
+    /// By leaf, of the first root faces: no point of it is farther from the triangles than this, or the
+    /// other way round; infinite where details hide between the points that would tell.
+    bounds: Vec<f64>,
+    /// By leaf, the farthest point that was found.
+    found: Vec<Option<Farthest>>,
+    stage: Stage,
+}
+
+/// What is to be done next.
+#[derive(Debug)]
+enum Stage {
+    /// What is around the triangles.
+    Around,
+    /// How far borders are off the triangles.
+    Rims,
+    /// The bounds of the leaves of this root face and those after it.
+    Bound(usize),
+    /// Leaves to be measured for their bounds are beyond the chord, and how many of them are; first those that
+    /// have a bound, then `others`.
+    Measure { due: Vec<usize>, measured: usize, others: bool },
+    /// Leaves that may be the farthest, with the most that they may be; the farthest so far, and how many to
+    /// measure at once.
+    Farthest { open: Vec<(f64, usize)>, most: f64, at_a_time: usize },
+}
+
+/// What measuring a leaf costs beside a bound.
+const MEASURED: usize = 16;
+
+impl CheckWork {
+    /// Begins with triangles of which nothing is known.
+    pub fn new(assembly: Assembly) -> Self {
+        Self {
+            around: Around::default(),
+            normals: Vec::new(),
+            off_rim: Vec::new(),
+            weights: Grid::Ninths.weights(),
+            bounds: Vec::with_capacity(assembly.leaves.len()),
+            found: vec![None; assembly.leaves.len()],
+            assembly,
+            stage: Stage::Around,
         }
     }
-    checker.find_farthest(&bounds, found)
+
+    fn checker<'a>(&'a self, subject: &'a Subject, chord: f64) -> Checker<'a> {
+        let Self { assembly, around, normals, off_rim, weights, .. } = self;
+        Checker { subject, assembly, chord, around, normals, off_rim, weights }
+    }
+
+    /// Takes the next step, and adds to `spent` what it costs. `true` once there is a verdict.
+    ///
+    /// If a leaf fails that is to be quartered, those which cost more are not measured: they are when the
+    /// next forest has its triangles.
+    pub fn advance(
+        &mut self,
+        subject: &Subject,
+        chord: f64,
+        last_level: u32,
+        known: &mut Known,
+        spent: &mut usize,
+    ) -> bool {
+        let checker = self.checker(subject, chord);
+        match &self.stage {
+            Stage::Around => {
+                (self.around, self.normals) = (self.assembly.around(), self.assembly.normals());
+                *spent += self.assembly.triangle_count() / 16;
+                self.stage = Stage::Rims;
+                false
+            }
+            Stage::Rims => {
+                let off_rim = checker.off_rims(known);
+                *spent += off_rim.len() / 16;
+                (self.off_rim, self.stage) = (off_rim, Stage::Bound(0));
+                false
+            }
+            &Stage::Bound(first) => {
+                let faces = subject.surface.mesh.face_count();
+                let (end, leaves) = quantum(first, faces, |f| self.assembly.leaves_of(f).len());
+                let bounds = map_dear_in_order(end - first, |f| checker.face_bounds(first + f, known));
+                *spent += leaves;
+                bounds.into_iter().for_each(|bounds| self.bounds.extend(bounds));
+                self.stage = if end < faces { Stage::Bound(end) } else { self.due(chord, false) };
+                false
+            }
+            &Stage::Measure { ref due, measured, .. } if measured < due.len() => {
+                let end = due.len().min(measured + QUANTUM / MEASURED);
+                let new = checker.measure(&due[measured..end], known, SHARP * chord);
+                *spent += MEASURED * (end - measured);
+                for (i, new) in new {
+                    self.found[i] = Some(new.farthest);
+                    if new.alone {
+                        known.alone.insert(self.assembly.leaves[i].key(), new.farthest);
+                    }
+                }
+                if let Stage::Measure { measured, .. } = &mut self.stage {
+                    *measured = end;
+                }
+                false
+            }
+            &Stage::Measure { others, .. } => {
+                let fails = |(leaf, found): (&Leaf, &Option<Farthest>)| {
+                    leaf.place.level < last_level && found.is_some_and(|found| is_beyond(&found, chord))
+                };
+                if self.assembly.leaves.iter().zip(&self.found).any(fails) {
+                    return true;
+                }
+                self.stage = if others { self.may_be_farthest() } else { self.due(chord, true) };
+                false
+            }
+            Stage::Farthest { open, .. } if open.is_empty() => true,
+            Stage::Farthest { .. } => {
+                *spent += MEASURED * self.find_farther(subject, chord);
+                false
+            }
+        }
+    }
+
+    /// The leaves that are to be measured for their bounds are beyond the chord: those that have one, or the
+    /// `others`.
+    fn due(&self, chord: f64, others: bool) -> Stage {
+        let is_due = |&i: &usize| self.bounds[i] > chord && self.bounds[i].is_finite() != others;
+        Stage::Measure { due: (0..self.bounds.len()).filter(is_due).collect(), measured: 0, others }
+    }
+
+    /// All leaves, for no other is known to be farther off yet.
+    fn may_be_farthest(&self) -> Stage {
+        let at_most = |i: usize| self.found[i].as_ref().map_or(self.bounds[i], distance);
+        let open = (0..self.bounds.len()).map(|i| (at_most(i), i)).filter(|open| open.0 > 0.0).collect();
+        Stage::Farthest { open, most: 0.0, at_a_time: AT_A_TIME[0] }
+    }
+
+    /// Measures those of the leaves which may be the farthest that may be so the most. What was measured
+    /// already was from above. Returns how many.
+    fn find_farther(&mut self, subject: &Subject, chord: f64) -> usize {
+        let Stage::Farthest { open, most, at_a_time } = &mut self.stage else { return 0 };
+        let (mut open, mut most, count) = (core::mem::take(open), *most, *at_a_time);
+        let first = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
+        if open.len() > count {
+            open.select_nth_unstable_by(count, first);
+        }
+        let mut rest = open.split_off(open.len().min(count));
+        open.sort_unstable_by(first);
+        let (checker, leaf) = (self.checker(subject, chord), |k: usize| &self.assembly.leaves[open[k].1]);
+        let measured = map_dear_in_order(open.len(), |k| {
+            checker.farthest(&mut Nest::new(&subject.limit, leaf(k).place.root()), leaf(k), most, most).farthest
+        });
+        for (&(_, i), measured) in open.iter().zip(measured) {
+            most = most.max(distance(&measured));
+            self.found[i] = Some(measured);
+        }
+        rest.retain(|&(at_most, _)| at_most > most);
+        self.stage = Stage::Farthest { open: rest, most, at_a_time: AT_A_TIME[1] };
+        open.len()
+    }
+
+    /// The triangles, and by leaf the farthest point that was found: nothing where a bound lies within the chord
+    /// and below the farthest of all.
+    pub fn finish(self) -> (Assembly, Vec<Farthest>) {
+        (self.assembly, self.found.into_iter().map(Option::unwrap_or_default).collect())
+    }
+}
+
+/// How far off a point is.
+fn distance(found: &Farthest) -> f64 {
+    found.squared.sqrt()
 }
 
 /// What is known of leaves, whatever the forest around them.
@@ -109,27 +257,18 @@ struct Measured {
     alone: bool,
 }
 
-/// Is it farther off than `limit`?
-pub fn is_beyond(found: &Farthest, limit: f64) -> bool {
-    found.squared.is_nan() || found.squared > limit * limit
-}
-
+/// What measuring reads.
 struct Checker<'a> {
     subject: &'a Subject,
     assembly: &'a Assembly,
     chord: f64,
-    around: Around,
-    /// The unit normals of the triangles; zero without an area.
-    normals: Vec<DVec3>,
-    weights: Vec<[f64; 3]>,
+    around: &'a Around,
+    normals: &'a [DVec3],
+    off_rim: &'a [f64],
+    weights: &'a [[f64; 3]],
 }
 
 impl<'a> Checker<'a> {
-    fn new(subject: &'a Subject, assembly: &'a Assembly, chord: f64) -> Self {
-        let (around, normals) = (assembly.around(), assembly.normals());
-        Self { subject, assembly, chord, around, normals, weights: Grid::Ninths.weights() }
-    }
-
     /// Measures the leaves that are `due`, ascending, unless they are `known`. Distances up to `enough` are not
     /// told apart.
     fn measure(&self, due: &[usize], known: &Known, enough: f64) -> Vec<(usize, Measured)> {
@@ -148,37 +287,6 @@ impl<'a> Checker<'a> {
         measured.into_iter().flatten().collect()
     }
 
-    /// Measures what may be the farthest until it is found. `found` holds what was measured already, from
-    /// above.
-    fn find_farthest(&self, bounds: &[f64], mut found: Vec<Option<Farthest>>) -> Vec<Farthest> {
-        let distance = |found: &Farthest| found.squared.sqrt();
-        let mut most = 0.0_f64;
-        let at_most = |i: usize| found[i].as_ref().map_or(bounds[i], distance);
-        let mut open: Vec<(f64, usize)> =
-            (0..bounds.len()).map(|i| (at_most(i), i)).filter(|open| open.0 > most).collect();
-        let first = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
-        let mut count = AT_A_TIME[0];
-        while !open.is_empty() {
-            if open.len() > count {
-                open.select_nth_unstable_by(count, first);
-            }
-            let rest = open.split_off(open.len().min(count));
-            open.sort_unstable_by(first);
-            let leaf = |k: usize| &self.assembly.leaves[open[k].1];
-            let measured = map_dear_in_order(open.len(), |k| {
-                self.farthest(&mut Nest::new(&self.subject.limit, leaf(k).place.root()), leaf(k), most, most).farthest
-            });
-            for (&(_, i), measured) in open.iter().zip(measured) {
-                most = most.max(distance(&measured));
-                found[i] = Some(measured);
-            }
-            open = rest;
-            open.retain(|&(at_most, _)| at_most > most);
-            count = AT_A_TIME[1];
-        }
-        found.into_iter().map(Option::unwrap_or_default).collect()
-    }
-
     /// Measures a leaf. Distances up to `enough` are not told apart, and those of its triangles up to `sharp`
     /// may be less than is told.
     fn farthest(&self, nest: &mut Nest<'a>, leaf: &Leaf, enough: f64, sharp: f64) -> Measured {
@@ -190,21 +298,13 @@ impl<'a> Checker<'a> {
                 return squared;
             }
             // Where the surface slides, the foot may lie beyond the leaf's own triangles.
-            let around: &Vec<Facet> = around.get_or_init(|| self.assembly.beyond(&self.around, leaf));
+            let around: &Vec<Facet> = around.get_or_init(|| self.assembly.beyond(self.around, leaf));
             around.iter().map(|facet| facet.squared(x)).fold(squared, f64::min)
         };
-        let there = sampled.farthest(&self.weights, near);
+        let there = sampled.farthest(self.weights, f64::INFINITY, near);
         let farthest = there.or(sampled.farthest_back(&self.assembly.pieces(leaf), enough, sharp));
         // A distance beyond may be to a triangle that is quartered next.
         Measured { farthest, alone: around.get().is_none() && !is_beyond(&farthest, enough) }
-    }
-
-    /// By leaf: no point of it is farther from the triangles than this, or the other way round; infinite where
-    /// details hide between the points that would tell.
-    fn bounds(&self, known: &Known) -> Vec<f64> {
-        let off_rim = self.off_rims(known);
-        let faces = self.subject.surface.mesh.face_count();
-        map_dear_in_order(faces, |f| self.face_bounds(f, known, &off_rim)).into_iter().flatten().collect()
     }
 
     /// By vertex, how far the border is off the edges of leaves about it; empty if none is off.
@@ -236,7 +336,7 @@ impl<'a> Checker<'a> {
 
     /// The bounds of the leaves of a root face: their distances to the places with the same weights, or, where
     /// these are beyond the chord or not far below it, so that the leaf may be the farthest, what heights say.
-    fn face_bounds(&self, face: usize, known: &Known, off_rim: &[f64]) -> Vec<f64> {
+    fn face_bounds(&self, face: usize, known: &Known) -> Vec<f64> {
         let root = FaceId::new(face);
         let (mut nest, mut known) = (Nest::new(&self.subject.limit, root), known.stand_off(root));
         let mut bound = |leaf: &Leaf| {
@@ -248,11 +348,7 @@ impl<'a> Checker<'a> {
                 let straight = pieces.iter().map(|piece| deviation.of_piece(piece.map(|(_, w)| w)).greatest());
                 straight.fold(0.0, greater)
             };
-            if straight > SHARP * self.chord {
-                straight.min(self.sliding_leaf(leaf, &deviation, off_rim))
-            } else {
-                straight
-            }
+            if straight > SHARP * self.chord { straight.min(self.sliding_leaf(leaf, &deviation)) } else { straight }
         };
         self.assembly.leaves[self.assembly.leaves_of(face)].iter().map(&mut bound).collect()
     }
@@ -266,14 +362,14 @@ impl<'a> Checker<'a> {
     }
 
     /// The bound of a leaf that the surface slides along.
-    fn sliding_leaf(&self, leaf: &Leaf, deviation: &Deviation, off_rim: &[f64]) -> f64 {
+    fn sliding_leaf(&self, leaf: &Leaf, deviation: &Deviation) -> f64 {
         let mut triangles = self.assembly.triangles_of(leaf);
         if triangles.len() == 1 {
-            return greater(0.0, triangles.next().map_or(f64::INFINITY, |t| self.sliding(deviation, t, off_rim)));
+            return greater(0.0, triangles.next().map_or(f64::INFINITY, |t| self.sliding(deviation, t)));
         }
         let of_piece = |(t, piece): (u32, &Piece)| {
             let deviation = deviation.of_piece(piece.map(|(_, w)| w));
-            deviation.greatest().min(self.sliding(&deviation, t, off_rim))
+            deviation.greatest().min(self.sliding(&deviation, t))
         };
         triangles.zip(&self.assembly.pieces(leaf)).map(of_piece).fold(0.0, greater)
     }
@@ -299,14 +395,14 @@ impl<'a> Checker<'a> {
     /// any point of a triangle farther off: the surface over the triangles around hangs together, and so
     /// do its feet, which leave none of the triangle out. Over a border there is no neighbour: what is beyond
     /// it lies between its edges and the border itself, which is off them by `off_rim` about each vertex.
-    fn sliding(&self, deviation: &Deviation, t: u32, off_rim: &[f64]) -> f64 {
+    fn sliding(&self, deviation: &Deviation, t: u32) -> f64 {
         let (corners, normal) = (self.assembly.corners(t), self.normals[t as usize]);
         if normal == DVec3::ZERO {
             return f64::INFINITY;
         }
         let (mut squared, mut across) = (0.0_f64, 0.0_f64);
         for v in self.assembly.triangle(t) {
-            across = across.max(off_rim.get(v as usize).copied().unwrap_or(0.0));
+            across = across.max(self.off_rim.get(v as usize).copied().unwrap_or(0.0));
             for &other in self.around.of(v) {
                 let other = self.normals[other as usize];
                 // A triangle that faces away is no neighbour to slide to; nor is one without a normal.

@@ -12,12 +12,12 @@ use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::boxspline::Quartic;
 use selvedge_components::subdivision::{Deviation, FaceCode, quartered};
 
-use super::check::{Known, is_beyond};
+use super::check::Known;
 use super::forest::Forest;
 use super::inner::Inner;
 use super::measure::{Facet, Over};
-use super::sample::{Farthest, Grid, Place, Sampled, borders, corners_of, farthest_of};
-use super::{Subject, TriangulateError, TriangulateOptions, within_budget};
+use super::sample::{Farthest, Grid, Place, Sampled, borders, corners_of, farthest_of, is_beyond};
+use super::{DEAR, Subject, TriangulateError, TriangulateOptions, within_budget};
 use crate::parallel::map_dear_in_order;
 use crate::subdivision::limit::{Nest, Spot};
 
@@ -28,41 +28,77 @@ use crate::subdivision::limit::{Nest, Spot};
 /// left is for what is not quadratic.
 pub const MARGIN: f64 = 0.85;
 
-/// Quarters leaves until all but those of the last level pass; `new` are the ones not yet looked at, by
-/// level. What leaves stand off by becomes `known`.
-///
-/// # Errors
-/// [`TriangulateError::LimitNotFinite`], [`TriangulateError::TooManyTriangles`].
-pub fn grow(
-    subject: &Subject,
-    forest: &mut Forest,
-    mut new: Vec<Vec<FaceCode>>,
-    chord: f64,
-    options: &TriangulateOptions,
-    known: &mut Known,
-) -> Result<(), TriangulateError> {
-    within_budget(forest.leaf_count(), options)?;
-    new.truncate(options.last_level as usize);
-    let places = |(level, codes): (usize, Vec<FaceCode>)| {
-        let level = level as u32;
-        codes.into_iter().map(move |code| Place { level, code })
-    };
-    let mut places: Vec<Place> = new.into_iter().enumerate().flat_map(places).collect();
-    places.sort_by_key(Place::root);
-    let roots: Vec<&[Place]> = places.chunk_by(|a, b| a.root() == b.root()).collect();
-    let growth =
-        Growth { subject, chord, options, weights: Grid::Quarters.weights(), leaves: forest.leaf_count().into() };
-    let mut failing = vec![Vec::new(); options.last_level as usize];
-    for (places, found) in roots.iter().zip(map_dear_in_order(roots.len(), |i| growth.too_far(roots[i]))) {
-        let found = found?;
-        found.too_far.iter().for_each(|place| failing[place.level as usize].push(place.code));
-        known.learn(places[0].root(), found.stand_off);
-    }
-    within_budget(growth.leaves.into_inner(), options)?;
-    failing.iter_mut().for_each(|codes| codes.sort_unstable());
-    forest.split(&subject.surface.mesh, &failing);
-    within_budget(forest.leaf_count(), options)
+/// Leaves on their way to be quartered until all but those of the last level pass.
+#[derive(Debug)]
+pub struct GrowWork {
+    /// The leaves not yet looked at, by root face.
+    places: Vec<Place>,
+    /// How many of them are gone through.
+    seen: usize,
+    /// How many leaves there are by now.
+    leaves: usize,
+    /// By level: the faces to be quartered.
+    too_far: Vec<Vec<FaceCode>>,
 }
+
+impl GrowWork {
+    /// Begins with the leaves of `forest` that are `new`, by level.
+    pub fn new(forest: &Forest, mut new: Vec<Vec<FaceCode>>, options: &TriangulateOptions) -> Self {
+        new.truncate(options.last_level as usize);
+        let places = |(level, codes): (usize, Vec<FaceCode>)| {
+            let level = level as u32;
+            codes.into_iter().map(move |code| Place { level, code })
+        };
+        let mut places: Vec<Place> = new.into_iter().enumerate().flat_map(places).collect();
+        places.sort_by_key(Place::root);
+        let too_far = vec![Vec::new(); options.last_level as usize];
+        Self { places, seen: 0, leaves: forest.leaf_count(), too_far }
+    }
+
+    /// Goes through some more leaves and what lies below them, and adds to `spent` what that costs. What
+    /// leaves stand off by becomes `known`. `true` once all are gone through: then `forest` has grown.
+    ///
+    /// # Errors
+    /// [`TriangulateError::LimitNotFinite`], [`TriangulateError::TooManyTriangles`].
+    pub fn advance(
+        &mut self,
+        subject: &Subject,
+        forest: &mut Forest,
+        chord: f64,
+        options: &TriangulateOptions,
+        known: &mut Known,
+        spent: &mut usize,
+    ) -> Result<bool, TriangulateError> {
+        within_budget(self.leaves, options)?;
+        let leaves = self.leaves.into();
+        let weights = Grid::Quarters.weights();
+        let mut middles_first = weights.clone();
+        middles_first.sort_by_key(|w| w.iter().filter(|&&x| x == 0.5).count() < 2);
+        let growth = Growth { subject, chord, options, weights, middles_first, leaves };
+        let left = &self.places[self.seen..];
+        // What comes of a root face is not known before.
+        let roots: Vec<&[Place]> = left.chunk_by(|a, b| a.root() == b.root()).take(ROOTS).collect();
+        for (places, found) in roots.iter().zip(map_dear_in_order(roots.len(), |i| growth.too_far(roots[i]))) {
+            let found = found?;
+            self.seen += places.len();
+            *spent += found.cost;
+            found.too_far.iter().for_each(|place| self.too_far[place.level as usize].push(place.code));
+            known.learn(places[0].root(), found.stand_off);
+        }
+        self.leaves = growth.leaves.into_inner();
+        within_budget(self.leaves, options)?;
+        if self.seen < self.places.len() {
+            return Ok(false);
+        }
+        self.too_far.iter_mut().for_each(|codes| codes.sort_unstable());
+        forest.split(&subject.surface.mesh, &self.too_far);
+        within_budget(forest.leaf_count(), options)?;
+        Ok(true)
+    }
+}
+
+/// Root faces that are gone through between two looks at what has been spent.
+const ROOTS: usize = 128;
 
 /// What is found of one root face.
 #[derive(Default)]
@@ -71,6 +107,7 @@ struct Found {
     too_far: Vec<Place>,
     /// How leaves stand off, where that is not plain to see.
     stand_off: Vec<(Place, Deviation)>,
+    cost: usize,
 }
 
 /// What is found of one face.
@@ -94,6 +131,8 @@ struct Growth<'a> {
     chord: f64,
     options: &'a TriangulateOptions,
     weights: Vec<[f64; 3]>,
+    /// The same, the middles of edges first: most faces that stand off do so there.
+    middles_first: Vec<[f64; 3]>,
     /// How many leaves there are by now.
     leaves: AtomicUsize,
 }
@@ -122,6 +161,7 @@ impl Growth<'_> {
             let is_kept = spot != nest.root();
             return self.descend_within(&quartic, nest, Within { place, inner, corners }, is_kept, found);
         }
+        found.cost += 4 * DEAR;
         let Seen { far, deeper } = self.look_at(nest, spot, place, deep, &mut found.stand_off)?;
         if far && self.quarter(place, found) {
             for child in place.quarters() {
@@ -144,6 +184,7 @@ impl Growth<'_> {
         if place.level == self.options.last_level {
             return Ok(());
         }
+        found.cost += 1;
         let deviation = inner.deviation(quartic);
         let far = match judge(corners, &deviation, self.chord) {
             Verdict::Keeps => false,
@@ -201,7 +242,8 @@ impl Growth<'_> {
     fn is_sampled_too_far(&self, nest: &mut Nest, place: Place) -> Result<bool, TriangulateError> {
         let mut sampled = Sampled::new(self.subject, nest, place);
         let (triangle, borders) = (Facet::new(sampled.corners()), sampled.borders());
-        let found = sampled.farthest(&self.weights, |x| alone(x, &triangle, borders));
+        let limit = MARGIN * self.chord;
+        let found = sampled.farthest(&self.middles_first, limit, |x| alone(x, &triangle, borders));
         self.is_too_far(place, &found)
     }
 

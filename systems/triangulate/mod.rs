@@ -16,8 +16,11 @@
 //! each root face the vertices inside it, by `s` and then by `t`. Triangles ascend by root face,
 //! then along the path of quarters. Two triangulations of one surface give a vertex that both have
 //! the same bits, whatever their densities.
+//!
+//! *Steps.* The work is cut into steps by what there is to do, not by the clock ([`TriangulationWork`]). A pass
+//! takes as many as cost [`SPENT_A_PASS`]: a small surface has its triangles in the pass that it asks in, a
+//! large one in a later pass, and until then those that it had.
 
-mod adapt;
 mod assemble;
 mod check;
 pub mod closure;
@@ -30,19 +33,20 @@ mod reach;
 mod sample;
 mod system;
 mod vertices;
+mod work;
 
 use std::sync::Arc;
 
 use selvedge_components::budget::Budgets;
-use selvedge_components::subdivision::{FaceCode, LoopSurface};
+use selvedge_components::subdivision::LoopSurface;
 use selvedge_components::tolerance::Tolerance;
 use selvedge_components::triangles::Triangles;
 pub use selvedge_components::triangulation::{
     ChordReport, Density, Normals, TriangulateError, TriangulateOptions, TriangulationFailed, TriangulationReport,
 };
 
-use forest::Forest;
-pub use system::triangulate_surfaces;
+pub use system::{Triangulating, triangulate_surfaces};
+pub use work::{TriangulationStep, TriangulationWork};
 
 pub(crate) use measure::{shape, squared_to_segment, squared_to_triangle};
 use reach::Reach;
@@ -66,22 +70,7 @@ pub struct Triangulation {
 /// # Errors
 /// When the options cannot be met or the surface is not finite.
 pub fn triangulate(surface: &LoopSurface, options: &TriangulateOptions) -> Result<Triangulation, TriangulateError> {
-    let subject = Subject::new(surface)?;
-    let faces = surface.mesh.face_count();
-    let finest = FaceCode::finest(faces);
-    match options.density {
-        Density::Level(level) if level > finest => Err(TriangulateError::TooFine { level, faces, finest }),
-        Density::Level(level) => {
-            // Codes of this level fit 64 bits, so their number does.
-            within_budget(faces << (2 * level), options)?;
-            Ok(assemble::assemble(&subject, &Forest::uniform(faces, level), options.normals)?.finish())
-        }
-        Density::Chord(chord) => {
-            check_chord(surface, chord)?;
-            let options = TriangulateOptions { last_level: options.last_level.min(finest), ..*options };
-            adapt::adapt(&subject, chord, &options)
-        }
-    }
+    TriangulationWork::new(surface, options)?.finish()
 }
 
 /// The options as a surface with this tolerance, in a world with these budgets, means them.
@@ -95,22 +84,32 @@ pub fn effective(options: &TriangulateOptions, tolerance: Option<&Tolerance>, bu
 }
 
 /// A surface and what every pass over it reads.
+#[derive(Debug)]
 struct Subject {
     surface: Arc<LoopSurface>,
     limit: LimitSurface,
     reach: Reach,
 }
 
-impl Subject {
-    fn new(surface: &LoopSurface) -> Result<Self, TriangulateError> {
-        // A copy of the control points and details: little beside the triangles they make.
-        let surface = Arc::new(surface.remembering());
-        Ok(Self {
-            limit: LimitSurface::new(Arc::clone(&surface)).map_err(unreadable)?,
-            reach: Reach::new(&surface.mesh, &surface.details),
-            surface,
-        })
+/// What a pass spends on one surface at least, unless it is done before, in units of
+/// [`TriangulationWork::spent`]: some milliseconds on one core.
+pub const SPENT_A_PASS: usize = 3 * QUANTUM;
+
+/// What a step costs, where the work can be cut as finely.
+const QUANTUM: usize = 1 << 12;
+
+/// What a face or a vertex costs that does not lie within one polynomial, beside one that does.
+const DEAR: usize = 4;
+
+/// The end of the next items from `first` on, of `count`, that are a [`QUANTUM`] together, and what they cost: each
+/// what `cost` says, and one.
+fn quantum(first: usize, count: usize, cost: impl Fn(usize) -> usize) -> (usize, usize) {
+    let (mut end, mut spent) = (first, 0);
+    while end < count && spent < QUANTUM {
+        spent += 1 + cost(end);
+        end += 1;
     }
+    (end, spent)
 }
 
 fn unreadable(why: LimitError) -> TriangulateError {
@@ -125,7 +124,9 @@ fn check_chord(surface: &LoopSurface, chord: f64) -> Result<(), TriangulateError
     if !(chord.is_finite() && chord > 0.0) {
         return Err(TriangulateError::BadChord { chord });
     }
-    let size = surface.points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    // Points that are not finite are another fault.
+    let sizes = surface.points.iter().map(|p| p.abs().max_element()).filter(|size| size.is_finite());
+    let size = sizes.fold(0.0, f64::max);
     // A limit point is a sum of a dozen rounded products, its distance to a triangle one more.
     let least = 32.0 * f64::EPSILON * size;
     if chord < least { Err(TriangulateError::ChordBelowRounding { chord, least }) } else { Ok(()) }

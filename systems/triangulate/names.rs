@@ -1,5 +1,7 @@
 //! Names for the vertices: root vertices, then those inside root edges, then those inside root faces.
 
+use std::sync::Arc;
+
 use selvedge_components::mesh::{Connectivity, EdgeId, FaceId, HalfedgeId};
 
 use super::forest::{Forest, Node, Steps, Tile};
@@ -80,9 +82,9 @@ fn from_smaller(mesh: &Connectivity, face: FaceId, edge: usize, along: u32, n: u
 /// The vertices of a forest and their names, in the order that the
 /// [module](super) promises.
 #[derive(Debug)]
-pub struct Names<'a> {
-    mesh: &'a Connectivity,
-    plots: &'a [Plot],
+pub struct Names {
+    mesh: Arc<Connectivity>,
+    plots: Vec<Plot>,
     /// Steps along an edge of a root face.
     pub n: u32,
     /// By edge: where its vertices begin in `on_edges`.
@@ -92,15 +94,15 @@ pub struct Names<'a> {
     inside: Vec<u32>,
 }
 
-impl<'a> Names<'a> {
+impl Names {
     /// Names what stands on the faces of `mesh`; `n` is how many steps their edges have.
-    pub fn new(mesh: &'a Connectivity, n: u32, plots: &'a [Plot]) -> Self {
+    pub fn new(mesh: Arc<Connectivity>, n: u32, plots: Vec<Plot>) -> Self {
         let mut names = Self { mesh, plots, n, edges: vec![0], on_edges: Vec::new(), inside: Vec::new() };
-        for e in 0..mesh.edge_count() {
-            names.push_edge(mesh.halfedge(EdgeId::new(e)));
+        for e in 0..names.mesh.edge_count() {
+            names.push_edge(names.mesh.halfedge(EdgeId::new(e)));
         }
         let mut next = names.corner_count() + names.on_edges.len();
-        for plot in plots {
+        for plot in &names.plots {
             names.inside.push(next as u32);
             next += plot.inside.len();
         }
@@ -167,7 +169,7 @@ impl<'a> Names<'a> {
             return Some(self.inside[face.index()] + place as u32);
         };
         let e = self.mesh.edge(HalfedgeId::of(face, edge));
-        let place = self.on_edge(e).binary_search(&from_smaller(self.mesh, face, edge, along, self.n)).ok()?;
+        let place = self.on_edge(e).binary_search(&from_smaller(&self.mesh, face, edge, along, self.n)).ok()?;
         Some(self.corner_count() as u32 + self.edges[e.index()] + place as u32)
     }
 }
@@ -180,13 +182,13 @@ mod tests {
     /// Vertices inside a face are found, and what is none is not, in rows that are filled evenly or not.
     #[test]
     fn every_vertex_inside_a_face_has_its_name_and_nothing_else_has_one() {
-        let mesh = Connectivity::new(4, &[[0, 1, 2], [2, 1, 3]]).expect("a valid mesh");
+        let mesh = Arc::new(Connectivity::new(4, &[[0, 1, 2], [2, 1, 3]]).expect("a valid mesh"));
         let mut forest = Forest::uniform(2, 3);
         forest.split(&mesh, &[vec![], vec![], vec![], vec![FaceCode(5), FaceCode(6), FaceCode(40)]]);
         let n = 1 << forest.finest();
         let plots = [0, 1].map(|f| Plot::new(&mesh, &forest, FaceId::new(f)));
-        let names = Names::new(&mesh, n, &plots);
         assert!(plots.iter().all(|plot| !plot.rows.is_empty()));
+        let names = Names::new(mesh, n, plots.into());
         for face in [0, 1].map(FaceId) {
             for (i, j) in (1..n).flat_map(|i| (1..n - i).map(move |j| (i, j))) {
                 let place = names.inside(face).iter().position(|&at| at == (i, j));

@@ -46,6 +46,11 @@ pub struct Farthest {
     pub samples: usize,
 }
 
+/// Is it farther off than `limit`?
+pub fn is_beyond(found: &Farthest, limit: f64) -> bool {
+    found.squared.is_nan() || found.squared > limit * limit
+}
+
 impl Farthest {
     fn see(&mut self, x: DVec3, squared: f64) {
         self.samples += 1;
@@ -138,11 +143,16 @@ impl<'n, 'a> Sampled<'n, 'a> {
         self.borders
     }
 
-    /// The sample of the limit surface over it that is farthest off; `near` answers with the squared
-    /// distance of a point to the triangles that stand for it.
-    pub fn farthest(&mut self, weights: &[[f64; 3]], mut near: impl FnMut(DVec3) -> f64) -> Farthest {
+    /// The sample of the limit surface over it that is farthest off, or the first that is beyond `limit`;
+    /// `near` answers with the squared distance of a point to the triangles that stand for it.
+    pub fn farthest(&mut self, weights: &[[f64; 3]], limit: f64, mut near: impl FnMut(DVec3) -> f64) -> Farthest {
         let mut farthest = Farthest::default();
-        weights.iter().for_each(|&w| self.see(&mut farthest, w, &mut near));
+        for &w in weights {
+            self.see(&mut farthest, w, &mut near);
+            if is_beyond(&farthest, limit) {
+                return farthest;
+            }
+        }
         if self.inner.is_none() {
             self.see_moved(&mut farthest, &mut near);
         }

@@ -10,7 +10,7 @@ use selvedge_components::subdivision::boxspline::Quartic;
 use selvedge_components::triangles::Triangles;
 
 use super::names::Names;
-use super::{Normals, Subject};
+use super::{DEAR, Normals, QUANTUM, Subject, quantum};
 use crate::parallel::{map_dear_in_order, map_in_order};
 use crate::subdivision::limit::Piece;
 
@@ -21,52 +21,105 @@ struct Vertex {
     origin: SurfacePoint,
 }
 
-/// The vertices of `names`, and no triangles yet.
-pub fn evaluate(subject: &Subject, names: &Names, normals: Normals) -> Triangles {
-    let mesh = &*subject.surface.mesh;
-    let corners = map_in_order(names.corner_count(), |v| {
-        let h = corner_halfedge(mesh, VertexId::new(v));
-        let origin = on_halfedge(h, 0.0);
-        let mut vertex = Evaluator::new(subject, origin.face).vertex(origin, normals);
-        // A face knows one of the lines that meet in a corner; the point is that of the older.
-        vertex.position = subject.limit.on_border(VertexId::new(v)).unwrap_or(vertex.position);
-        // A face's derivatives say less there: a smooth border vertex has one normal, its faces any angle.
-        match (normals, subject.limit.normal_at(h)) {
-            (Normals::Without, _) | (_, DVec3::ZERO) => vertex,
-            (Normals::OfLimit, normal) => Vertex { normal, ..vertex },
+/// The vertices of a forest in the making: root vertices, then face by face those inside its edges and those
+/// inside it.
+#[derive(Debug)]
+pub struct VertexWork {
+    first_edges: Vec<usize>,
+    /// How many root vertices, and of how many root faces the rest, are evaluated.
+    corners: usize,
+    faces: usize,
+    /// Root vertices and those inside edges.
+    on_edges: Triangles,
+    inside: Triangles,
+}
+
+impl VertexWork {
+    /// Begins with the vertices of `names`.
+    pub fn new(mesh: &Connectivity, names: &Names) -> Self {
+        let mut work = Self {
+            first_edges: first_edges(mesh),
+            corners: 0,
+            faces: 0,
+            on_edges: Triangles::default(),
+            inside: Triangles::default(),
+        };
+        work.on_edges.positions.reserve(names.count());
+        work.on_edges.origins.reserve(names.count());
+        work
+    }
+
+    /// Evaluates some more vertices. Returns what that costs: nothing when all are there.
+    pub fn advance(&mut self, subject: &Subject, names: &Names, normals: Normals) -> usize {
+        if self.corners < names.corner_count() {
+            let range = self.corners..names.corner_count().min(self.corners + QUANTUM / DEAR);
+            let count = range.len();
+            self.corners = range.end;
+            let vertices = map_in_order(count, |v| corner(subject, VertexId::new(range.start + v), normals));
+            put(&mut self.on_edges, &vertices, normals);
+            return DEAR * count;
         }
-    });
-    let first_edges = first_edges(mesh);
-    let faces = map_dear_in_order(mesh.face_count(), |f| {
-        let face = FaceId::new(f);
+        let first = self.faces;
+        let cost = |f: usize| {
+            let edges = (self.first_edges[f]..self.first_edges[f + 1]).map(|e| names.on_edge(EdgeId::new(e)).len());
+            let vertices = edges.sum::<usize>() + names.inside(FaceId::new(f)).len();
+            if subject.limit.is_polynomial(FaceId::new(f)) { vertices } else { DEAR * vertices }
+        };
+        let (end, spent) = quantum(first, self.first_edges.len() - 1, cost);
+        let faces = map_dear_in_order(end - first, |f| self.of_face(subject, names, first + f, normals));
+        for [on_edges, inside] in &faces {
+            put(&mut self.on_edges, on_edges, normals);
+            put(&mut self.inside, inside, normals);
+        }
+        self.faces = end;
+        spent
+    }
+
+    /// The vertices of a root face: those inside its edges that no face before it has, and those inside it.
+    fn of_face(&self, subject: &Subject, names: &Names, f: usize, normals: Normals) -> [Vec<Vertex>; 2] {
+        let (mesh, face) = (&*subject.surface.mesh, FaceId::new(f));
         let evaluator = Evaluator::new(subject, face);
-        let on_edges = (first_edges[f]..first_edges[f + 1]).flat_map(|e| {
+        let on_edges = (self.first_edges[f]..self.first_edges[f + 1]).flat_map(|e| {
             let e = EdgeId::new(e);
             names.on_edge(e).iter().map(move |&steps| edge_origin(mesh, e, steps, names.n))
         });
         let inside =
             names.inside(face).iter().map(|&(i, j)| SurfacePoint::new(face, part(i, names.n), part(j, names.n)));
-        let of = |origins: &mut dyn Iterator<Item = SurfacePoint>| -> Vec<Vertex> {
-            origins.map(|origin| evaluator.vertex(origin, normals)).collect()
-        };
-        let mut on_edges = on_edges;
-        let mut inside = inside;
-        [of(&mut on_edges), of(&mut inside)]
-    });
-    let mut all = Triangles::default();
-    all.positions.reserve(names.count());
-    all.origins.reserve(names.count());
-    let mut put = |vertices: &[Vertex]| {
-        all.positions.extend(vertices.iter().map(|v| v.position));
-        all.origins.extend(vertices.iter().map(|v| v.origin));
-        if normals == Normals::OfLimit {
-            all.normals.extend(vertices.iter().map(|v| v.normal));
-        }
-    };
-    put(&corners);
-    faces.iter().for_each(|[on_edges, _]| put(on_edges));
-    faces.iter().for_each(|[_, inside]| put(inside));
-    all
+        let vertex = |origin: SurfacePoint| evaluator.vertex(origin, normals);
+        [on_edges.map(vertex).collect(), inside.map(vertex).collect()]
+    }
+
+    /// The vertices, by their names, and no triangles yet.
+    pub fn finish(self) -> Triangles {
+        let (mut all, inside) = (self.on_edges, self.inside);
+        all.positions.extend(inside.positions);
+        all.origins.extend(inside.origins);
+        all.normals.extend(inside.normals);
+        all
+    }
+}
+
+fn put(all: &mut Triangles, vertices: &[Vertex], normals: Normals) {
+    all.positions.extend(vertices.iter().map(|v| v.position));
+    all.origins.extend(vertices.iter().map(|v| v.origin));
+    if normals == Normals::OfLimit {
+        all.normals.extend(vertices.iter().map(|v| v.normal));
+    }
+}
+
+/// A root vertex.
+fn corner(subject: &Subject, v: VertexId, normals: Normals) -> Vertex {
+    let h = corner_halfedge(&subject.surface.mesh, v);
+    let origin = on_halfedge(h, 0.0);
+    let mut vertex = Evaluator::new(subject, origin.face).vertex(origin, normals);
+    // A face knows one of the lines that meet in a corner; the point is that of the older.
+    vertex.position = subject.limit.on_border(v).unwrap_or(vertex.position);
+    if normals == Normals::OfLimit {
+        // A face's derivatives say less there: a smooth border vertex has one normal, its faces any angle.
+        let normal = subject.limit.normal_at(h);
+        vertex.normal = if normal == DVec3::ZERO { vertex.normal } else { normal };
+    }
+    vertex
 }
 
 /// By face: the first edge that no face before it has. Edges are numbered by the first face that has

@@ -17,7 +17,7 @@ use selvedge_components::mesh::{FaceId, HalfedgeId, VertexId};
 use selvedge_components::subdivision::boxspline::Quartic;
 use selvedge_components::subdivision::{
     CornerTable, Descent, FaceCode, Kind, LevelMesh, LimitFrame, LoopSurface, NONE, Patch, RingState, Scheme,
-    limit_frame, previous,
+    limit_frame, next,
 };
 use thiserror::Error;
 
@@ -132,6 +132,12 @@ impl LimitSurface {
     /// A root face, as one that is kept.
     pub fn root(&self, face: FaceId) -> Kept {
         Kept { level: 0, face: face.0 }
+    }
+
+    /// Is the surface over a root face one polynomial?
+    pub fn is_polynomial(&self, face: FaceId) -> bool {
+        let root = self.levels.first().and_then(|kept| kept.faces.get(face.index()));
+        matches!(root, Some(Face::Regular(_)))
     }
 
     /// What evaluates a face that is kept; `None` for a root face that does not exist.
@@ -310,31 +316,24 @@ impl KeptLevel {
 /// [`Net`](selvedge_components::subdivision::boxspline::Net), where its corners are interior, of
 /// valence 6 and away from special corners: it is one polynomial then.
 pub fn regular_net(mesh: &LevelMesh, face: u32) -> Option<[u32; 12]> {
-    let mut net = [0; 12];
-    for c in 0..3 {
-        let ring = hexagon(mesh, 3 * face + c as u32)?;
-        net[c] = mesh.corners[face as usize][c];
-        net[3 + c] = ring[5];
-        (net[6 + 2 * c], net[7 + 2 * c]) = (ring[3], ring[4]);
-    }
-    Some(net)
-}
-
-/// The six neighbours of the vertex that `h` leaves, from the one it reaches, if that is all that
-/// there is to the vertex.
-fn hexagon(mesh: &LevelMesh, h: u32) -> Option<[u32; 6]> {
-    let vertex = mesh.vertices[mesh.from(h) as usize];
-    if vertex.valence != 6 || vertex.kind != Kind::Interior || vertex.ring == RingState::Cut {
+    let corners = mesh.corners[face as usize];
+    let is_regular = |&v: &u32| {
+        let vertex = mesh.vertices[v as usize];
+        vertex.valence == 6 && vertex.kind == Kind::Interior && vertex.ring != RingState::Cut
+    };
+    if !corners.iter().all(is_regular) {
         return None;
     }
-    let mut ring = [0; 6];
-    let mut spoke = h;
-    for neighbour in &mut ring {
-        *neighbour = mesh.to(spoke);
-        if mesh.vertices[*neighbour as usize].corner != NONE {
-            return None;
-        }
-        spoke = mesh.twin(previous(spoke))?;
+    let mut net = [0; 12];
+    for c in 0..3 {
+        // Clockwise around the corner, from the edge of the face.
+        let mut spoke = 3 * face + c as u32;
+        let mut turn = || {
+            spoke = next(mesh.twin(spoke)?);
+            Some(mesh.to(spoke))
+        };
+        (net[c], net[3 + c]) = (corners[c], turn()?);
+        (net[7 + 2 * c], net[6 + 2 * c]) = (turn()?, turn()?);
     }
-    Some(ring)
+    net.iter().all(|&v| mesh.vertices[v as usize].corner == NONE).then_some(net)
 }
