@@ -5,6 +5,7 @@
 //! peer_trim PLATE.bsp BORES.txt CAGE EPS [trim]
 //! peer_trim scaling EPS
 //! peer_trim threads EPS
+//! peer_trim edit EPS
 //! ```
 //!
 //! The plate is refitted as a cage of `CAGE` by `CAGE` squares, which is not timed; then it is spawned,
@@ -14,7 +15,8 @@
 //!
 //! `scaling` prints what a bore costs among 1, 8 and 64, on plates of 1e3, 1e4 and 1e5 triangles of one
 //! size: what is near a bore is the same on all. `threads` prints how much sooner 64 bores are done on two
-//! threads than on one.
+//! threads than on one. `edit` prints what it costs to make one bore of 64 another, and to triangulate what is
+//! left then: on a cage on which all bores are made together, and on a finer one on which they are not.
 
 #[macro_use]
 #[path = "../engine/cli/say.rs"]
@@ -28,7 +30,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         match table.as_str() {
             "scaling" => return peer::scaling(eps),
             "threads" => return peer::threads(eps),
-            _ => return Err("peer_trim scaling|threads EPS".into()),
+            "edit" => return peer::edit(eps),
+            _ => return Err("peer_trim scaling|threads|edit EPS".into()),
         }
     }
     let [_, plate, bores, cage, eps, rest @ ..] = args.as_slice() else {
@@ -55,13 +58,14 @@ mod peer {
     use std::time::{Duration, Instant};
 
     use nix::time::{ClockId, clock_gettime};
-    use selvedge::curve::Heading;
+    use selvedge::bevy_ecs::prelude::{Entity, With};
+    use selvedge::curve::{Heading, SpaceCurve};
     use selvedge::diagnostics::{GroundDiagnostics, SubdivisionDiagnostics};
     use selvedge::subdivision::LoopSurface;
     use selvedge::tolerance::Tolerance;
     use selvedge::triangles::Triangles;
     use selvedge::triangulation::{TriangulateOptions, TriangulationReport};
-    use selvedge::trim::{TrimFailed, TrimOptions, TrimReport};
+    use selvedge::trim::{TrimFailed, TrimOptions, TrimReport, TrimmedTo};
     use selvedge::{Engine, Pass};
 
     use super::wavy::{self, Bore, SIZE};
@@ -135,6 +139,40 @@ mod peer {
             say!("threads {threads} wall {:.3} cpu {cpu:.3}", walls[walls.len() - 1]);
         }
         say!("ratio {:.2}", walls[0] / walls[1]);
+        Ok(())
+    }
+
+    pub fn edit(eps: f64) -> Result<(), Box<dyn Error>> {
+        say!("{:>9} {:>9} {:>9} {:>12}", "triangles", "together", "trims s", "triangles s");
+        for finer in [1, 8] {
+            let (n, square) = (22 * finer, SQUARE / f64::from(finer));
+            let (surface, mut bores) = (wavy::endless(n, square)?, wavy::even_bores(64, SIZE));
+            let mut engine = wavy::engine(&surface, &bores, eps)?;
+            let mut curves = engine.world_mut().query_filtered::<Entity, With<SpaceCurve>>();
+            let curve = curves.iter(engine.world()).min().ok_or("there are no curves")?;
+            let tolerance = Tolerance::total(eps);
+            for _ in 0..2 {
+                let start = processor_time()?;
+                passes(&mut engine);
+                let trims = processor_time()? - start;
+                let mut sources = engine.world_mut().query_filtered::<Entity, With<TrimmedTo>>();
+                let source = sources.single(engine.world())?;
+                let result = engine.result(source).ok_or("there is no result")?;
+                engine.world_mut().entity_mut(result).insert((TriangulateOptions::default(), tolerance));
+                passes(&mut engine);
+                let all = processor_time()? - start;
+                let mut reports = engine.world_mut().query::<&TrimReport>();
+                let together = reports.iter(engine.world()).map(|r| r.together.len()).max().unwrap_or(0);
+                let faces = surface.mesh.face_count();
+                let [trims, triangles] = [trims, all - trims].map(|time| time.as_secs_f64());
+                say!("{faces:>9} {together:>9} {trims:>9.3} {triangles:>12.3}");
+                // The first bore moves by a millimetre.
+                bores[0][0] += 1e-3;
+                let moved = SpaceCurve { curve: wavy::circle(&wavy::indexed(&surface)?, bores[0])? };
+                engine.world_mut().entity_mut(result).remove::<TriangulateOptions>();
+                engine.world_mut().entity_mut(curve).insert(moved);
+            }
+        }
         Ok(())
     }
 
