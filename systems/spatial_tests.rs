@@ -116,6 +116,41 @@ fn a_line_misses_no_box() {
     }
 }
 
+/// Lines along axes and from far away lose digits, but no box; and lines beside all boxes visit none.
+#[test]
+fn a_line_misses_no_box_from_far_away_or_along_an_axis() {
+    for (unit, centre) in UNITS.into_iter().take(3) {
+        let mut draw = Draw(6);
+        let boxes = draw.boxes(300, unit, centre);
+        let tree = Bvh::new(&boxes);
+        let visited = |origin: DVec3, direction: DVec3| {
+            let mut visited = Vec::new();
+            tree.along(origin, direction, [f64::NEG_INFINITY, f64::INFINITY], |i, end| {
+                visited.push(i as usize);
+                end
+            });
+            visited
+        };
+        for (k, target) in boxes.iter().enumerate().filter(|(_, b)| (b.max - b.min).min_element() > 1e-3 * unit) {
+            let through = target.min.midpoint(target.max);
+            let axis = [DVec3::X, DVec3::NEG_Y, DVec3::Z][k % 3];
+            let aslant = (draw.point() - 0.5).normalize();
+            for direction in [axis, aslant, aslant * 1e-9, aslant * 1e9] {
+                for far in [0.0, 10.0, 1e6] {
+                    let origin = through - direction.normalize() * (far * unit);
+                    let visited = visited(origin, direction);
+                    assert!(visited.contains(&k), "{unit}, {k}: {direction} from {far}");
+                    assert!(visited.len() < boxes.len() / 2);
+                }
+            }
+        }
+        assert!(visited(centre + DVec3::splat(-0.5 * unit), DVec3::X).is_empty());
+        for none in [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY] {
+            assert!(visited(centre, none).is_empty(), "{none} is no direction");
+        }
+    }
+}
+
 #[test]
 fn a_line_is_cut_where_the_visitor_says() {
     let boxes: Vec<_> =
