@@ -44,6 +44,25 @@ impl Default for Budgets {
     }
 }
 
+/// How much of the work at hand is done in one pass: what keeps a pass as short among a thousand jobs as among a few.
+///
+/// The jobs beyond it wait for later passes, in turns. What they come to does not depend on it, to the bit, nor
+/// does this on clock or threads; insert another value at any time. Where passes are not frames of anything, and
+/// only the end counts, `u64::MAX` saves some passes.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PassAllowance {
+    /// Work quanta of all jobs together, some of about a millisecond each. One at each stage at which there is
+    /// a job is done in any case, so 0 is the least that still comes to an end.
+    pub quanta: u64,
+}
+
+impl Default for PassAllowance {
+    /// What a frame has room for, and enough to keep some threads busy.
+    fn default() -> Self {
+        Self { quanta: 16 }
+    }
+}
+
 /// One of the [`Budgets`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]

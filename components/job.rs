@@ -95,7 +95,7 @@ pub struct FitJob {
     /// What it read when it started.
     pub inputs: FitInputs,
     /// What the stage that ran in this pass has to say. The system of a stage sets it, once a pass,
-    /// on each job that bears the stage's marker; the end of the pass takes it.
+    /// on each job that bears the stage's marker and has its turn; the end of the pass takes it.
     pub step: Option<Result<Quantum, FitFault>>,
     /// How many work quanta it has taken.
     pub quanta: u64,

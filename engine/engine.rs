@@ -277,7 +277,8 @@ impl Engine {
     }
 
     /// Passes until nothing is left to do or `time` is over, but one pass at least. A pass that has
-    /// begun is finished, so it may take longer by as much as one work quantum of every job does.
+    /// begun is finished, so it may take longer by as much as the work quanta of one pass do: see
+    /// [`PassAllowance`](selvedge_components::budget::PassAllowance).
     pub fn update_for(&mut self, time: Duration) -> Pass {
         let start = Instant::now();
         loop {

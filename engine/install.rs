@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings};
-use selvedge_components::budget::Budgets;
+use selvedge_components::budget::{Budgets, PassAllowance};
 use selvedge_components::identity::Serials;
 use selvedge_systems::audit::audit_surfaces;
 use selvedge_systems::check::{check_curves, check_surfaces};
@@ -14,6 +14,7 @@ use selvedge_systems::subdivision::job::{admit_fits, advance_fits};
 use selvedge_systems::subdivision::trim::{
     admit_trims, advance_trims, audit_trims, compose_results, locate_trims, relax_trims, remesh_trims,
 };
+use selvedge_systems::subdivision::turns::{Turns, give_turns};
 use selvedge_systems::subdivision::{correspond_fits, modify_fits, refine_fits};
 use selvedge_systems::triangulate::triangulate_surfaces;
 
@@ -21,7 +22,7 @@ use selvedge_systems::triangulate::triangulate_surfaces;
 ///
 /// The schedule stays the host's: its label, its executor, when and how often it runs, and what
 /// else runs in it. The engine adds resources of its own to `world` and keeps those that are there
-/// already ([`Budgets`], say); it reads and writes entities that bear its components, and no others.
+/// already ([`Budgets`] or [`PassAllowance`], say); it reads and writes entities that bear its components, and no others.
 ///
 /// Every stage is in a public set, and can be replaced: take its systems out with
 /// [`Schedule::remove_systems_in_set`] and add your own to the same set. What a stage must do is
@@ -40,6 +41,8 @@ use selvedge_systems::triangulate::triangulate_surfaces;
 pub fn install(world: &mut World, schedule: &mut Schedule) {
     world.init_resource::<Serials>();
     world.init_resource::<Budgets>();
+    world.init_resource::<PassAllowance>();
+    world.init_resource::<Turns>();
     world.init_resource::<GroundDiagnostics>();
     world.init_resource::<SubdivisionDiagnostics>();
 
@@ -51,10 +54,11 @@ pub fn install(world: &mut World, schedule: &mut Schedule) {
     schedule.add_systems(triangulate_surfaces.in_set(Triangulate));
     schedule.add_systems((audit_surfaces, audit_trims).chain().in_set(Audit));
 
-    use SubdivisionStage::{Admit, Advance, Correspond, Modify, Refine, Relax, Remesh};
-    schedule.configure_sets((Admit, Remesh, Relax, Correspond, Modify, Refine).chain().in_set(Solve));
+    use SubdivisionStage::{Admit, Advance, Correspond, Modify, Refine, Relax, Remesh, Turn};
+    schedule.configure_sets((Admit, Turn, Remesh, Relax, Correspond, Modify, Refine).chain().in_set(Solve));
     schedule.configure_sets(Advance.in_set(Finish));
     schedule.add_systems((admit_fits, admit_trims).chain().in_set(Admit));
+    schedule.add_systems(give_turns.in_set(Turn));
     schedule.add_systems((locate_trims, remesh_trims).chain().in_set(Remesh));
     schedule.add_systems(relax_trims.in_set(Relax));
     schedule.add_systems(correspond_fits.in_set(Correspond));

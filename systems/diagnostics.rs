@@ -76,6 +76,8 @@ pub struct GroundDiagnostics {
 pub struct SubdivisionDiagnostics {
     /// Jobs begun, begun again and taken back.
     pub admit: Counters,
+    /// Jobs that take a quantum, and how many of them wait for a later pass (skipped).
+    pub turns: Counters,
     /// Curves located on sources.
     pub locate: Counters,
     /// Quanta of curves worked into cages.

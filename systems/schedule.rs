@@ -13,7 +13,7 @@ pub enum SelvedgeSystems {
     Gather,
     /// Faults are named; what has one goes no further. Jobs begin here, and begin again.
     Check,
-    /// Every job takes one step.
+    /// Every job whose turn it is takes one step.
     Solve,
     /// Results become triangles.
     Triangulate,
@@ -34,6 +34,8 @@ impl SelvedgeSystems {
 pub enum SubdivisionStage {
     /// Jobs begin, begin again, or are taken back.
     Admit,
+    /// Where more jobs are at work than a pass may move, it is said whose turn it is.
+    Turn,
     /// A trim's curve is worked into the control mesh.
     Remesh,
     /// Control points on a trim's curve settle along it.
@@ -50,8 +52,16 @@ pub enum SubdivisionStage {
 
 impl SubdivisionStage {
     /// All stages, in their order.
-    pub const ALL: [Self; 7] =
-        [Self::Admit, Self::Remesh, Self::Relax, Self::Correspond, Self::Modify, Self::Refine, Self::Advance];
+    pub const ALL: [Self; 8] = [
+        Self::Admit,
+        Self::Turn,
+        Self::Remesh,
+        Self::Relax,
+        Self::Correspond,
+        Self::Modify,
+        Self::Refine,
+        Self::Advance,
+    ];
 }
 
 /// What one system of the engine does: what whoever replaces it must keep to.
@@ -206,10 +216,29 @@ pub const STAGES: &[StageContract] = &[
         ],
     },
     StageContract {
+        set: "SubdivisionStage::Turn",
+        system: "give_turns",
+        does: "says which jobs take a work quantum in this pass, where there are more than it may do",
+        reads: &[
+            "AtAudit",
+            "AtCorrespond",
+            "AtLocate",
+            "AtModify",
+            "AtRefine",
+            "AtRelax",
+            "AtRemesh",
+            "PassAllowance",
+            "Serial",
+        ],
+        writes: &["SubdivisionDiagnostics", "Turns"],
+        inserts: &[],
+        removes: &[],
+    },
+    StageContract {
         set: "SubdivisionStage::Remesh",
         system: "locate_trims",
         does: "lets trims AtLocate find where a curve runs on their source, and sets their step",
-        reads: &["AtLocate"],
+        reads: &["AtLocate", "Turns"],
         writes: &["LocateWork", "SubdivisionDiagnostics", "TrimJob"],
         inserts: &[],
         removes: &[],
@@ -218,7 +247,7 @@ pub const STAGES: &[StageContract] = &[
         set: "SubdivisionStage::Remesh",
         system: "remesh_trims",
         does: "lets trims AtRemesh work their curves into the cage, and sets their step",
-        reads: &["AtRemesh"],
+        reads: &["AtRemesh", "Turns"],
         writes: &["SubdivisionDiagnostics", "TrimJob", "TrimWork"],
         inserts: &[],
         removes: &[],
@@ -227,7 +256,7 @@ pub const STAGES: &[StageContract] = &[
         set: "SubdivisionStage::Relax",
         system: "relax_trims",
         does: "lets new vertices of trims AtRelax settle along the curves, begins a fit, and sets their step",
-        reads: &["AtRelax"],
+        reads: &["AtRelax", "Turns"],
         writes: &["SubdivisionDiagnostics", "TrimJob", "TrimWork"],
         inserts: &[],
         removes: &[],
@@ -236,7 +265,7 @@ pub const STAGES: &[StageContract] = &[
         set: "SubdivisionStage::Correspond",
         system: "correspond_fits",
         does: "lets jobs AtCorrespond do one quantum and sets their step",
-        reads: &["AtCorrespond"],
+        reads: &["AtCorrespond", "Turns"],
         writes: &["FitJob", "FitWork", "SubdivisionDiagnostics"],
         inserts: &[],
         removes: &[],
@@ -245,7 +274,7 @@ pub const STAGES: &[StageContract] = &[
         set: "SubdivisionStage::Modify",
         system: "modify_fits",
         does: "lets jobs AtModify do one quantum and sets their step; writes the details of those that leave",
-        reads: &["Address", "AtModify", "DetailLevel", "DetailOf"],
+        reads: &["Address", "AtModify", "DetailLevel", "DetailOf", "Turns"],
         writes: &["Detail", "FitJob", "FitWork", "SubdivisionDiagnostics"],
         inserts: &[],
         removes: &[],
@@ -254,7 +283,7 @@ pub const STAGES: &[StageContract] = &[
         set: "SubdivisionStage::Refine",
         system: "refine_fits",
         does: "lets jobs AtRefine do one quantum and sets their step; spawns what the next level may move",
-        reads: &["AtRefine", "Detail", "DetailOf"],
+        reads: &["AtRefine", "Detail", "DetailOf", "Turns"],
         writes: &["FitJob", "FitWork", "SubdivisionDiagnostics"],
         inserts: &["entities with Detail, DetailLevel, Address, DetailOf(job)"],
         removes: &["entities with DetailOf(job) that are zero"],
@@ -281,7 +310,7 @@ pub const STAGES: &[StageContract] = &[
         set: "SelvedgeSystems::Audit",
         system: "audit_trims",
         does: "lets trims AtAudit measure some faces of what they leave, and sets their step",
-        reads: &["AtAudit", "FitWork"],
+        reads: &["AtAudit", "FitWork", "Turns"],
         writes: &["SubdivisionDiagnostics", "TrimJob", "TrimWork"],
         inserts: &[],
         removes: &[],

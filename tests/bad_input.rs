@@ -9,9 +9,13 @@ use selvedge::io::tags::Tags;
 use selvedge::io::{Cage, CageError, Limits, Place, PlacedFault, Polygons, ReadError, read_cage};
 use selvedge_components::mesh::{Connectivity, FaceId, Fault, VertexId};
 
+use random::Draw;
+
 #[cfg(feature = "gltf")]
 #[path = "support/glb.rs"]
 mod by_hand;
+#[path = "support/random.rs"]
+mod random;
 
 fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(name)
@@ -202,31 +206,15 @@ fn a_truncated_obj_is_refused_or_smaller() {
     assert!(refused > 900 && smaller > 10, "{refused} refused, {smaller} smaller");
 }
 
-/// A generator whose numbers are the same everywhere (Steele, Lea and Flood 2014, "SplitMix").
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
-    }
-}
-
 /// Spoils bytes in a few places: other values, lost or doubled stretches, numbers made large.
-fn mutate(bytes: &[u8], random: &mut Random) -> Vec<u8> {
+fn mutate(bytes: &[u8], random: &mut Draw) -> Vec<u8> {
     let mut out = bytes.to_vec();
-    for _ in 0..=random.below(4) {
-        let at = random.below(out.len());
-        let end = (at + random.below(16)).min(out.len());
-        match random.below(6) {
+    for _ in 0..=random.remainder(4) {
+        let at = random.remainder(out.len());
+        let end = (at + random.remainder(16)).min(out.len());
+        match random.remainder(6) {
             0 => out.get_mut(at..=at).into_iter().flatten().for_each(|b| *b = random.next() as u8),
-            1 => out.get_mut(at..=at).into_iter().flatten().for_each(|b| *b ^= 1 << random.below(8)),
+            1 => out.get_mut(at..=at).into_iter().flatten().for_each(|b| *b ^= 1 << random.remainder(8)),
             2 => drop(out.drain(at..end)),
             3 => {
                 let stretch = out[at..end].to_vec();
@@ -245,7 +233,7 @@ fn spoiled_objs_never_break_anything() {
     for name in ["cages/spot_control_mesh.obj", "cages/loop_cube.obj", "cages/loop_xord_boundary.obj"] {
         let whole = fs::read(data(name)).unwrap();
         for seed in 0..300 {
-            let bytes = mutate(&whole, &mut Random(seed));
+            let bytes = mutate(&whole, &mut Draw(seed));
             let outcome = judge_obj(&format!("{name}, seed {seed}"), &bytes);
             outcomes[usize::from(outcome.is_err())] += 1;
         }
@@ -256,8 +244,8 @@ fn spoiled_objs_never_break_anything() {
 #[test]
 fn garbage_is_no_obj() {
     for seed in 0..200 {
-        let mut random = Random(seed);
-        let length = 16 + random.below(4096);
+        let mut random = Draw(seed);
+        let length = 16 + random.remainder(4096);
         let bytes: Vec<u8> = (0..length).map(|_| random.next() as u8).collect();
         let why = obj::read(&bytes, &Limits::default()).unwrap_err();
         let places = ["line ", "OBJ"];
@@ -551,7 +539,7 @@ mod glb {
         let json = scene.to_string().into_bytes();
         let mut outcomes = [0, 0];
         for seed in 0..600 {
-            let mut random = Random(seed);
+            let mut random = Draw(seed);
             // The container spoiled, or its scene or its buffer in a container that is whole.
             let bytes = match seed % 3 {
                 0 => mutate(&whole, &mut random),
@@ -585,8 +573,8 @@ mod glb {
     #[test]
     fn garbage_is_no_glb() {
         for seed in 0..200 {
-            let mut random = Random(seed);
-            let length = 12 + random.below(4096);
+            let mut random = Draw(seed);
+            let length = 12 + random.remainder(4096);
             let mut bytes: Vec<u8> = (0..length).map(|_| random.next() as u8).collect();
             assert!(matches!(attempt(&bytes), Err(GlbError::Container { .. })), "seed {seed}");
             bytes[..4].copy_from_slice(b"glTF");

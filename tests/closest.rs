@@ -62,7 +62,7 @@ fn no_sample_is_closer_than_the_closest_point() {
         let samples = samples(index.surface(), 24);
         let mut draw = Draw(17);
         for k in 0..300 {
-            let base = samples[draw.below(samples.len())];
+            let base = samples[draw.remainder(samples.len())];
             let point = base + draw.vector() * 10.0_f64.powf(-3.5 * draw.unit());
             let found = index.closest(point).expect("a finite point");
             let least = by_force(&samples, point);

@@ -1,17 +1,19 @@
 //! Both sides of a trim: what stays and what goes, with the same samples where they meet.
 
+#[path = "support/seam.rs"]
+mod seam;
 mod support;
 
 use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 use glam::{DVec2, DVec3};
+use seam::{Seam, seam};
 use selvedge::curve::{Concatenation, Curve, Extent, Heading, Segment, SpaceCurve};
 use selvedge::subdivision::remesh::RemeshError;
-use selvedge::subdivision::{Border, ControlPoints, Ends, LoopSurface, Position, Snapshot};
+use selvedge::subdivision::{ControlPoints, LoopSurface, Position, Snapshot};
 use selvedge::trim::{OtherSide, OtherSideOf, Sides, Stale, Trim, TrimCurve, TrimFault, TrimOptions};
 use selvedge::{spawn_curve, spawn_trim};
-use selvedge_systems::triangulate::{Density, TriangulateOptions, triangulate};
 use support::plate::{Plate, TOLERANCE, circle, laid, tolerance, wide_plate};
 
 fn both() -> TrimOptions {
@@ -43,48 +45,11 @@ impl Plate {
         let of_curve = |cut: &TrimCurve| Arc::clone(&self.world.get::<SpaceCurve>(cut.curve).expect("a curve").curve);
         let curves: Vec<_> = self.world.get::<Trim>(trim).expect("a trim").cuts.iter().map(of_curve).collect();
         for level in 0..=3 {
-            let faults = seam_faults(self.result().expect("a result"), self.other(trim), &curves, level);
-            assert_eq!(faults, (true, 0), "level {level}");
+            let seam = seam(self.result().expect("a result"), self.other(trim), &curves, level).expect("triangles");
+            let Seam { expected, found, open } = seam;
+            assert!(expected > 0 && found == expected && open == 0, "level {level}: {seam:?}");
         }
     }
-}
-
-type Bits = [u64; 3];
-
-fn bits(p: DVec3) -> Bits {
-    (p + DVec3::ZERO).to_array().map(f64::to_bits)
-}
-
-/// Are there borders of `other` along `curves`, and of how many of their edges is none of the other way
-/// a border of `kept`?
-fn seam_faults(kept: &LoopSurface, other: &LoopSurface, curves: &[Arc<dyn Curve>], level: u32) -> (bool, usize) {
-    let options = TriangulateOptions { density: Density::Level(level), ..TriangulateOptions::default() };
-    let borders = |surface: &LoopSurface| {
-        let made = triangulate(surface, &options).expect("a surface").triangles;
-        let corners = made.triangles.iter().map(|t| t.map(|v| bits(made.positions[v as usize])));
-        let mut edges: Vec<[Bits; 2]> = corners.flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
-        edges.sort_unstable();
-        let alone = |[a, b]: &&[Bits; 2]| edges.binary_search(&[*b, *a]).is_err();
-        edges.iter().filter(alone).copied().collect::<Vec<_>>()
-    };
-    let (kept, beside) = (borders(kept), borders(other));
-    let (mut samples, mut edges) = (Vec::new(), 0);
-    for side in &other.sides {
-        let Border::Given { curve, .. } = &side.border else { continue };
-        if curves.iter().any(|own| Arc::ptr_eq(own, curve.curve())) {
-            // Where a side begins or ends at another line, the older gives the point.
-            let open = u64::from(side.ends == Ends::Corners);
-            let count = (side.edge_count() as u64) << level;
-            let at = |step| bits(curve.sample(level, side.curve_index(level, step).expect("a step of the side")));
-            samples.extend((open..count).map(at));
-            edges += count as usize;
-        }
-    }
-    samples.sort_unstable();
-    let is_seam = |[a, b]: &&[Bits; 2]| samples.binary_search(a).is_ok() || samples.binary_search(b).is_ok();
-    let seam: Vec<_> = beside.iter().filter(is_seam).collect();
-    let open = seam.iter().filter(|[a, b]| kept.binary_search(&[*b, *a]).is_err()).count();
-    (edges > 0 && seam.len() == edges, open)
 }
 
 #[test]

@@ -137,7 +137,7 @@ pub struct TrimJob {
     /// What it read when it began.
     pub inputs: TrimInputs,
     /// What the stage that ran in this pass has to say. The system of a stage sets it, once a pass,
-    /// on each trim that bears the stage's marker; the end of the pass takes it.
+    /// on each trim that bears the stage's marker and has its turn; the end of the pass takes it.
     pub step: Option<Result<TrimQuantum, TrimFault>>,
     /// Which of the trims made together a failed [`Self::step`] is about, if that can be told.
     pub blamed: Option<Entity>,

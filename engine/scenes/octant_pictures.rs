@@ -1,8 +1,10 @@
 //! Pictures of the octant: the fit, its error maps and its ladders.
 
-use selvedge_components::subdivision::LoopSurface;
+use selvedge_components::subdivision::{Details, LoopSurface};
 use selvedge_components::triangles::Triangles;
 use selvedge_systems::subdivision::fit::ErrorMap;
+use selvedge_systems::triangulate::{Density, TriangulateError, TriangulateOptions, triangulate};
+use thiserror::Error;
 
 use super::octant::{LadderRow, Method, OctantFit};
 use crate::diagram::camera::{Frame, View};
@@ -18,6 +20,21 @@ use crate::diagram::scene::Scene;
 use crate::diagram::shade::{Paint, Surface};
 use crate::diagram::units::Quantity;
 
+/// Why there is no picture of the fit.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum OctantPictureError {
+    /// The surface cannot be drawn.
+    #[error(transparent)]
+    Triangulate(#[from] TriangulateError),
+    /// The drawing.
+    #[error(transparent)]
+    Diagram(#[from] DiagramError),
+}
+
+/// The level at which surfaces are drawn: their borders turn by less than a degree from edge to edge.
+const FINE: u32 = 6;
+
 /// Along the diagonal of the octant, a little from above.
 fn view() -> View {
     View::from_angles(45.0, 28.0)
@@ -26,15 +43,15 @@ fn view() -> View {
 /// Control mesh, the limit surface before any detail, and after the last level. [Fig. 6]
 ///
 /// # Errors
-/// As the drawing.
-pub fn figure(fit: &OctantFit) -> Result<Canvas, DiagramError> {
+/// [`OctantPictureError`].
+pub fn figure(fit: &OctantFit) -> Result<Canvas, OctantPictureError> {
     let frame = Frame::new(620, 620);
     let cage = cage(&fit.surface);
-    let initial = triangles(fit.maps.first().unwrap_or(&ErrorMap::default()));
-    let fitted = triangles(fit.maps.last().unwrap_or(&ErrorMap::default()));
+    let initial = limit(&LoopSurface { details: Details::default(), ..fit.surface.clone() })?;
+    let fitted = limit(&fit.surface)?;
     let over = || Overlay::cage(&cage, palette::BLUE, 620);
     let camera = Scene::of(Surface::new(&fitted)).with(over()?).camera(&view(), frame)?;
-    let draw = |scene: Scene<'_>, caption: String| Ok(Cell::new(scene.draw(&camera)?, caption));
+    let draw = |scene: Scene<'_>, caption: String| Ok::<_, DiagramError>(Cell::new(scene.draw(&camera)?, caption));
     let last = fit.row.levels.last().map_or(0.0, |l| l.max_m);
     let length = |x: f64| Quantity::Length.label(x, 2);
     let cells = [
@@ -48,7 +65,7 @@ pub fn figure(fit: &OctantFit) -> Result<Canvas, DiagramError> {
             format!("with {} details: within {}", fit.surface.details.count(), length(last)),
         )?,
     ];
-    Grid::new(3, 20.0).lettered().compose(&cells)
+    Ok(Grid::new(3, 20.0).lettered().compose(&cells)?)
 }
 
 /// Decades of error that a map shows: at the finer levels the mean is a thousandth of the greatest,
@@ -110,6 +127,12 @@ pub fn ladder_plot(rows: &[&LadderRow]) -> Result<Canvas, DiagramError> {
 
 fn triangles(map: &ErrorMap) -> Triangles {
     Triangles { positions: map.positions.clone(), triangles: map.triangles.clone(), ..Triangles::default() }
+}
+
+/// A limit surface as triangles.
+fn limit(surface: &LoopSurface) -> Result<Triangles, TriangulateError> {
+    let options = TriangulateOptions { density: Density::Level(FINE), ..TriangulateOptions::default() };
+    Ok(triangulate(surface, &options)?.triangles)
 }
 
 /// The control mesh as triangles.

@@ -19,6 +19,7 @@ mod rules;
 mod system;
 pub mod tessellate;
 pub mod trim;
+pub mod turns;
 
 pub use system::{correspond_fits, modify_fits, refine_fits};
 

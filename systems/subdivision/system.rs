@@ -1,4 +1,4 @@
-//! The systems of the stages: each lets every job at its stage do one work quantum.
+//! The systems of the stages: each lets the jobs at its stage whose turn it is do one work quantum.
 
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
@@ -9,6 +9,7 @@ use selvedge_components::job::{AtCorrespond, AtModify, AtRefine, FitJob};
 use selvedge_components::subdivision::{Address, Detail, DetailLevel, DetailOf};
 
 use super::fit::{FitError, FitWork, Quantum, Stage};
+use super::turns::Turns;
 use crate::diagnostics::{Counters, SubdivisionDiagnostics};
 use crate::gather::{OwnerRows, runs};
 use crate::parallel::for_each;
@@ -16,9 +17,13 @@ use crate::parallel::for_each;
 type Job = (Entity, &'static mut FitJob, &'static mut FitWork);
 
 /// Pairs points of surfaces with points of their targets.
-pub fn correspond_fits(mut jobs: Query<Job, With<AtCorrespond>>, diagnostics: Option<ResMut<SubdivisionDiagnostics>>) {
+pub fn correspond_fits(
+    mut jobs: Query<Job, With<AtCorrespond>>,
+    turns: Option<Res<Turns>>,
+    diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
+) {
     let mut run = Counters::start();
-    let jobs: Vec<_> = jobs.iter_mut().collect();
+    let jobs: Vec<_> = jobs.iter_mut().filter(|job| Turns::is_of(turns.as_deref(), job.0)).collect();
     run.counted.items = jobs.len() as u64;
     quantum(jobs, Stage::Correspond, FitWork::correspond);
     if let Some(mut diagnostics) = diagnostics {
@@ -30,10 +35,11 @@ pub fn correspond_fits(mut jobs: Query<Job, With<AtCorrespond>>, diagnostics: Op
 pub fn modify_fits(
     mut jobs: Query<Job, With<AtModify>>,
     mut details: Query<(&mut Detail, &DetailLevel, &Address, &DetailOf)>,
+    turns: Option<Res<Turns>>,
     diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
 ) {
     let mut run = Counters::start();
-    let jobs: Vec<_> = jobs.iter_mut().collect();
+    let jobs: Vec<_> = jobs.iter_mut().filter(|job| Turns::is_of(turns.as_deref(), job.0)).collect();
     run.counted.items = jobs.len() as u64;
     let left: Vec<_> = quantum(jobs, Stage::Modify, FitWork::modify);
     if !left.is_empty() {
@@ -52,10 +58,11 @@ pub fn refine_fits(
     mut commands: Commands,
     mut jobs: Query<Job, With<AtRefine>>,
     details: Query<(Entity, &Detail, &DetailOf)>,
+    turns: Option<Res<Turns>>,
     diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
 ) {
     let mut run = Counters::start();
-    let jobs: Vec<_> = jobs.iter_mut().collect();
+    let jobs: Vec<_> = jobs.iter_mut().filter(|job| Turns::is_of(turns.as_deref(), job.0)).collect();
     run.counted.items = jobs.len() as u64;
     let left = quantum(jobs, Stage::Refine, FitWork::refine);
     let owners: EntityHashSet = left.iter().map(|&(job, _)| job).collect();

@@ -10,28 +10,12 @@ use selvedge_components::mesh::{Connectivity, FaceId, VertexId};
 use selvedge_components::subdivision::{Border, CornerRule, CornerTable, Details, Ends, FaceCode, LoopSurface, Side};
 use selvedge_systems::subdivision::{chain, region};
 
-/// Numbers drawn one after another: SplitMix64.
-pub struct Draw(pub u64);
+#[path = "random.rs"]
+mod random;
+
+pub use random::Draw;
 
 impl Draw {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// In [0, 1).
-    pub fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Below `n`.
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
-    }
-
     /// In the cube [-1, 1].
     pub fn vector(&mut self) -> DVec3 {
         DVec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - DVec3::ONE
@@ -39,9 +23,8 @@ impl Draw {
 
     /// Anywhere on a surface of `faces` faces.
     pub fn place(&mut self, faces: usize) -> SurfacePoint {
-        let (a, b) = (self.unit(), self.unit());
-        let (s, t) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
-        SurfacePoint::new(FaceId::new(self.below(faces)), s, t)
+        let [s, t] = self.in_triangle();
+        SurfacePoint::new(FaceId::new(self.remainder(faces)), s, t)
     }
 }
 
@@ -155,7 +138,7 @@ pub fn ball(flips: usize, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
 /// Turns one edge between two triangles, if the mesh stays a manifold of valence 3 and more.
 fn flip(vertices: usize, triangles: &mut [[u32; 3]], draw: &mut Draw) {
     let mesh = Connectivity::new(vertices, triangles).expect("flips keep a manifold");
-    let h = mesh.halfedge(selvedge_components::mesh::EdgeId::new(draw.below(mesh.edge_count())));
+    let h = mesh.halfedge(selvedge_components::mesh::EdgeId::new(draw.remainder(mesh.edge_count())));
     let Some(twin) = mesh.twin(h) else { return };
     let [a, b, c, d] = [mesh.from(h), mesh.to(h), mesh.opposite(h), mesh.opposite(twin)];
     let thin = [a, b].iter().any(|&v| mesh.valence(v) < 4);

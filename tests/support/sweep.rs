@@ -22,6 +22,11 @@ use selvedge_systems::subdivision::limit::LimitSurface;
 use selvedge_systems::subdivision::remesh::Cut;
 use selvedge_systems::subdivision::trim::{Ground, LocateWork, TrimWork};
 
+#[path = "random.rs"]
+mod random;
+
+pub use random::Draw;
+
 /// What is cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
@@ -138,29 +143,9 @@ fn poled_ball(around: u32, rings: u32) -> LoopSurface {
     closed(points, &faces)
 }
 
-/// Random numbers: splitmix64. [Steele et al. 2014]
-pub struct Draw(pub u64);
-
 impl Draw {
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        ((self.unit() * count as f64) as usize).min(count - 1)
-    }
-
     fn weights(&mut self) -> [f64; 3] {
-        let (s, t) = (self.unit(), self.unit());
-        let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
+        let [s, t] = self.in_triangle();
         [1.0 - s - t, s, t]
     }
 }

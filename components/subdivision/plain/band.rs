@@ -6,7 +6,7 @@
 //! over the whole band the surface is the polynomial of that net, and the difference of the one point
 //! times what the point weighs there ([`Found`](super::place::Found)).
 
-use super::corner::{Around, Corner, edge_point, near, next, reflect, regular_vertex, step_centre, step_ring};
+use super::corner::{Around, Corner, Neighbours, edge_point, near, next, reflect, regular_vertex, step_centre};
 use super::patch::Load;
 use super::topology::VertexRule;
 use crate::subdivision::boxspline::{Net, Quartic, Vector};
@@ -196,9 +196,7 @@ pub struct Bands<'a, L: Load> {
     corner: Corner<'a, L::Vector>,
     /// The corner's neighbours at the finest level so far; of no meaning where no level but the first three
     /// was needed.
-    ring: Vec<L::Vector>,
-    /// As long as `ring`.
-    spare: Vec<L::Vector>,
+    ring: Neighbours<L::Vector>,
     /// The first `depths` count.
     levels: Vec<Level<L::Vector>>,
     depths: usize,
@@ -208,7 +206,7 @@ impl<'a, L: Load> Bands<'a, L> {
     /// Of no corner yet.
     pub(super) fn new(load: L) -> Self {
         let corner = Corner::none(load);
-        Self { load, corner, ring: Vec::new(), spare: Vec::new(), levels: Vec::new(), depths: 0 }
+        Self { load, corner, ring: Neighbours::none(), levels: Vec::new(), depths: 0 }
     }
 
     /// How many bands are known; 0 of no corner.
@@ -221,12 +219,12 @@ impl<'a, L: Load> Bands<'a, L> {
     #[inline(always)]
     pub(super) fn begin(&mut self, corner: Corner<'a, L::Vector>) {
         self.corner = corner;
-        let Corner { rule, first, centres: [v, to], outer, valence, .. } = corner;
+        let Corner { rule, first, centres: [v, to], outer, .. } = corner;
         let level = if rule == VertexRule::Interior {
             Level::first(corner.around(self.load))
         } else {
-            self.read_ring();
-            let ring = &self.ring[..valence];
+            self.ring.read(self.load, &corner);
+            let ring = self.ring.of(&corner);
             let around = near(rule, v, ring, first);
             let [fifth, fourth] = ends(rule, [v, to], ring, first, around);
             Level::new([v, to], [fifth, around[0], around[1], around[2], around[3], fourth], outer)
@@ -244,46 +242,25 @@ impl<'a, L: Load> Bands<'a, L> {
         self.depths += 1;
     }
 
-    /// Reads the first level's ring.
-    #[inline(always)]
-    fn read_ring(&mut self) {
-        let k = self.corner.valence;
-        if self.ring.len() < k {
-            self.ring.resize(k, self.load.zero());
-            self.spare.resize(k, self.load.zero());
-        }
-        for (i, point) in self.ring[..k].iter_mut().enumerate() {
-            *point = self.corner.ring.point(self.load, i);
-        }
-    }
-
-    /// Steps from the ring around `v` to that of the next level.
-    #[inline(always)]
-    fn step_ring(&mut self, v: L::Vector) {
-        let k = self.corner.valence;
-        step_ring(self.corner.rule, v, &self.ring[..k], &mut self.spare[..k]);
-        core::mem::swap(&mut self.ring, &mut self.spare);
-    }
-
     /// Goes one level finer, towards the corner: one more band is known.
     #[inline(always)]
     pub fn descend(&mut self) {
-        let Corner { rule, mask, first, valence, centres, .. } = self.corner;
+        let Corner { rule, mask, first, centres, .. } = self.corner;
         if rule == VertexRule::Interior {
             match self.depths {
                 1 => return self.push(Level::second(self.corner.around(self.load))),
                 2 => return self.push(Level::third(self.corner.around(self.load))),
                 3 => {
-                    self.read_ring();
-                    self.step_ring(centres[0]);
-                    self.step_ring(centres[1]);
+                    self.ring.read(self.load, &self.corner);
+                    self.ring.step(&self.corner, centres[0]);
+                    self.ring.step(&self.corner, centres[1]);
                 }
                 _ => {}
             }
         }
         let before = self.levels[self.depths - 1];
-        self.step_ring(before.net[0]);
-        let (v, ring) = (before.to, &self.ring[..valence]);
+        self.ring.step(&self.corner, before.net[0]);
+        let (v, ring) = (before.to, self.ring.of(&self.corner));
         let to = step_centre(rule, mask.step, v, ring);
         let ends = ends(rule, [v, to], ring, first, before.finer_ring());
         self.push(before.finer(ends, to));

@@ -18,11 +18,9 @@ use crate::subdivision::boxspline::{Net, Quartic, Vector};
 pub struct CornerPieces<'a, L: Load> {
     load: L,
     pub(super) corner: Corner<'a, L::Vector>,
-    /// The corner's neighbours at the finest level so far, counter-clockwise; around a border from the
-    /// next border vertex to the previous one. Empty where no level but the first two was needed.
-    ring: Vec<L::Vector>,
-    /// As long as `ring`.
-    spare: Vec<L::Vector>,
+    /// The corner's neighbours at the finest level so far; of no meaning where no level but the first two was
+    /// needed.
+    ring: Neighbours<L::Vector>,
     /// What each depth leaves behind; the first `depths` count.
     lattices: Vec<Lattice<L::Vector>>,
     depths: usize,
@@ -211,9 +209,53 @@ fn leave_second<L: Load>(
     leave(lattice, v, [n0, n1, n2, n3], [z, y, x, w, u], next(centres, eigenvalue), to_near);
 }
 
+/// The neighbours of a corner at one level, counter-clockwise; around a border from the next border vertex to
+/// the previous one.
+#[derive(Clone, Debug)]
+pub(super) struct Neighbours<V> {
+    /// The first are those of the corner, as many as its valence says.
+    ring: Vec<V>,
+    /// As long as `ring`.
+    spare: Vec<V>,
+}
+
+impl<V: Vector> Neighbours<V> {
+    /// Of no corner.
+    pub const fn none() -> Self {
+        Self { ring: Vec::new(), spare: Vec::new() }
+    }
+
+    /// Reads the first level's.
+    #[inline(always)]
+    pub fn read(&mut self, load: impl Load<Vector = V>, corner: &Corner<'_, V>) {
+        let k = corner.valence;
+        if self.ring.len() < k {
+            self.ring.resize(k, load.zero());
+            self.spare.resize(k, load.zero());
+        }
+        for (i, point) in self.ring[..k].iter_mut().enumerate() {
+            *point = corner.ring.point(load, i);
+        }
+    }
+
+    /// Goes from a level at which the corner is at `v` to the next.
+    #[inline(always)]
+    pub fn step(&mut self, corner: &Corner<'_, V>, v: V) {
+        let k = corner.valence;
+        step_ring(corner.rule, v, &self.ring[..k], &mut self.spare[..k]);
+        core::mem::swap(&mut self.ring, &mut self.spare);
+    }
+
+    /// Those of `corner`, which they were read of.
+    #[inline(always)]
+    pub fn of(&self, corner: &Corner<'_, V>) -> &[V] {
+        &self.ring[..corner.valence]
+    }
+}
+
 /// Writes the ring around `v` one step finer.
 #[inline(always)]
-pub(super) fn step_ring<V: Vector>(rule: VertexRule, v: V, ring: &[V], finer: &mut [V]) {
+fn step_ring<V: Vector>(rule: VertexRule, v: V, ring: &[V], finer: &mut [V]) {
     let last = ring.len() - 1;
     let (head, tail) = (ring[0], ring[last]);
     for (r, finer) in ring.windows(3).zip(&mut finer[1..]) {
@@ -232,7 +274,7 @@ impl<'a, L: Load> CornerPieces<'a, L> {
     /// No corner yet.
     pub(super) fn new(load: L) -> Self {
         let corner = Corner::none(load);
-        Self { load, corner, ring: Vec::new(), spare: Vec::new(), lattices: Vec::new(), depths: 0 }
+        Self { load, corner, ring: Neighbours::none(), lattices: Vec::new(), depths: 0 }
     }
 
     /// How many depths are known; 0 of no corner.
@@ -253,10 +295,10 @@ impl<'a, L: Load> CornerPieces<'a, L> {
         if rule == VertexRule::Interior {
             leave_first(self.load, &corner, &mut self.lattices[0]);
         } else {
-            self.read_ring();
-            let before = near(rule, v, &self.spare[..corner.valence], first);
-            self.step_ring(v);
-            let to_near = near(rule, to, &self.ring[..corner.valence], first);
+            self.ring.read(self.load, &corner);
+            let before = near(rule, v, self.ring.of(&corner), first);
+            self.ring.step(&corner, v);
+            let to_near = near(rule, to, self.ring.of(&corner), first);
             leave(&mut self.lattices[0], v, before, outer, to, to_near);
         }
         self.depths = 1;
@@ -267,33 +309,13 @@ impl<'a, L: Load> CornerPieces<'a, L> {
         self.lattices.push([self.load.zero(); 16]);
     }
 
-    /// Reads the first level's ring to where the next step reads it.
-    #[inline(always)]
-    fn read_ring(&mut self) {
-        let k = self.corner.valence;
-        if self.ring.len() < k {
-            self.ring.resize(k, self.load.zero());
-            self.spare.resize(k, self.load.zero());
-        }
-        for (i, point) in self.spare[..k].iter_mut().enumerate() {
-            *point = self.corner.ring.point(self.load, i);
-        }
-    }
-
-    /// Steps from the ring in `spare` around `v` to that in `ring`.
-    #[inline(always)]
-    fn step_ring(&mut self, v: L::Vector) {
-        let k = self.corner.valence;
-        step_ring(self.corner.rule, v, &self.spare[..k], &mut self.ring[..k]);
-    }
-
     /// Goes one level finer, towards the corner: one more depth is known.
     #[inline(always)]
     pub fn descend(&mut self) {
         if self.lattices.len() == self.depths {
             self.grow();
         }
-        let Corner { rule, mask, first, valence, centres, .. } = self.corner;
+        let Corner { rule, mask, first, centres, .. } = self.corner;
         let [v, n0, n1, n2, n3, z, y, x, w, u, ..] = self.lattices[self.depths - 1];
         if rule == VertexRule::Interior && self.depths == 1 {
             let (first, second) = self.lattices.split_at_mut(1);
@@ -302,15 +324,13 @@ impl<'a, L: Load> CornerPieces<'a, L> {
             return;
         }
         if rule == VertexRule::Interior && self.depths == 2 {
-            self.read_ring();
-            self.step_ring(centres[0]);
-            core::mem::swap(&mut self.ring, &mut self.spare);
-            self.step_ring(centres[1]);
+            self.ring.read(self.load, &self.corner);
+            self.ring.step(&self.corner, centres[0]);
+            self.ring.step(&self.corner, centres[1]);
         }
-        let to = step_centre(rule, mask.step, v, &self.ring[..valence]);
-        core::mem::swap(&mut self.ring, &mut self.spare);
-        self.step_ring(v);
-        let to_near = near(rule, to, &self.ring[..valence], first);
+        let to = step_centre(rule, mask.step, v, self.ring.of(&self.corner));
+        self.ring.step(&self.corner, v);
+        let to_near = near(rule, to, self.ring.of(&self.corner), first);
         leave(&mut self.lattices[self.depths], v, [n0, n1, n2, n3], [z, y, x, w, u], to, to_near);
         self.depths += 1;
     }

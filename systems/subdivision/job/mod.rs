@@ -6,7 +6,7 @@
 //! | advance | `FitJob`, `FitWork` | markers; at the end the details of the surface and `FitReport`, or `FitFailed` | the stages | - |
 //!
 //! Why: the stages only set what they have to say, [`FitJob::step`]; all markers move together at
-//! the end of the pass. So one pass is one step for every job, whatever the order of the stages, and
+//! the end of the pass. So one pass is one step at most for every job, whatever the order of the stages, and
 //! jobs at different stages move in the same pass.
 //!
 //! Until a fit has finished, its details belong to the job, and the surface is as it was. Whatever

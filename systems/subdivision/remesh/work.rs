@@ -166,6 +166,11 @@ impl RemeshWork {
         Ok(())
     }
 
+    /// How many faces were split over all tries: what the work so far is about proportional to.
+    pub const fn faces_split(&self) -> u64 {
+        self.split[0] + self.split[1]
+    }
+
     fn step(&mut self) -> Result<RemeshQuantum, RemeshError> {
         let Some(plan) = &self.plan else {
             let junctions = &self.options.junctions;

@@ -8,14 +8,17 @@ use super::{Blamed, LocateWork, TrimWork};
 use crate::diagnostics::{Counters, SubdivisionDiagnostics};
 use crate::parallel::for_each;
 use crate::subdivision::fit::FitWork;
+use crate::subdivision::turns::Turns;
 
 /// Finds where the curves of trims run on their sources.
 pub fn locate_trims(
-    mut trims: Query<(&mut TrimJob, &mut LocateWork), With<AtLocate>>,
+    mut trims: Query<(Entity, &mut TrimJob, &mut LocateWork), With<AtLocate>>,
+    turns: Option<Res<Turns>>,
     diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
 ) {
     let mut run = Counters::start();
-    let mut trims: Vec<_> = trims.iter_mut().map(|(job, work)| (job.into_inner(), work.into_inner())).collect();
+    let trims = trims.iter_mut().filter(|trim| Turns::is_of(turns.as_deref(), trim.0));
+    let mut trims: Vec<_> = trims.map(|(_, job, work)| (job.into_inner(), work.into_inner())).collect();
     run.counted.items = trims.len() as u64;
     for_each(trims.iter_mut().collect(), |(job, work)| {
         let step = caught(|| work.advance());
@@ -29,11 +32,13 @@ pub fn locate_trims(
 
 /// Works the curves of trims into the cages of their sources.
 pub fn remesh_trims(
-    mut trims: Query<(&mut TrimJob, &mut TrimWork), With<AtRemesh>>,
+    mut trims: Query<(Entity, &mut TrimJob, &mut TrimWork), With<AtRemesh>>,
+    turns: Option<Res<Turns>>,
     diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
 ) {
     let mut run = Counters::start();
-    let mut trims: Vec<_> = trims.iter_mut().map(|(job, work)| (job.into_inner(), work.into_inner())).collect();
+    let trims = trims.iter_mut().filter(|trim| Turns::is_of(turns.as_deref(), trim.0));
+    let mut trims: Vec<_> = trims.map(|(_, job, work)| (job.into_inner(), work.into_inner())).collect();
     run.counted.items = trims.len() as u64;
     for_each(trims.iter_mut().collect(), |(job, work)| {
         let step = caught(|| work.remesh());
@@ -46,11 +51,13 @@ pub fn remesh_trims(
 
 /// Lets new vertices settle along the curves of trims, and begins to fit the new cages.
 pub fn relax_trims(
-    mut trims: Query<(&mut TrimJob, &mut TrimWork), With<AtRelax>>,
+    mut trims: Query<(Entity, &mut TrimJob, &mut TrimWork), With<AtRelax>>,
+    turns: Option<Res<Turns>>,
     diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
 ) {
     let mut run = Counters::start();
-    let mut trims: Vec<_> = trims.iter_mut().map(|(job, work)| (job.into_inner(), work.into_inner())).collect();
+    let trims = trims.iter_mut().filter(|trim| Turns::is_of(turns.as_deref(), trim.0));
+    let mut trims: Vec<_> = trims.map(|(_, job, work)| (job.into_inner(), work.into_inner())).collect();
     run.counted.items = trims.len() as u64;
     for_each(trims.iter_mut().collect(), |(job, work)| {
         let budgets = job.inputs.budgets;
@@ -64,12 +71,13 @@ pub fn relax_trims(
 
 /// Measures trims whose fit is done.
 pub fn audit_trims(
-    mut trims: Query<(&mut TrimJob, &mut TrimWork, &FitWork), With<AtAudit>>,
+    mut trims: Query<(Entity, &mut TrimJob, &mut TrimWork, &FitWork), With<AtAudit>>,
+    turns: Option<Res<Turns>>,
     diagnostics: Option<ResMut<SubdivisionDiagnostics>>,
 ) {
     let mut run = Counters::start();
-    let mut trims: Vec<_> =
-        trims.iter_mut().map(|(job, work, fit)| (job.into_inner(), work.into_inner(), fit)).collect();
+    let trims = trims.iter_mut().filter(|trim| Turns::is_of(turns.as_deref(), trim.0));
+    let mut trims: Vec<_> = trims.map(|(_, job, work, fit)| (job.into_inner(), work.into_inner(), fit)).collect();
     run.counted.items = trims.len() as u64;
     for_each(trims.iter_mut().collect(), |(job, work, fit)| {
         let step = caught(|| work.audit(fit));

@@ -9,23 +9,17 @@ use selvedge::budget::Budgets;
 use selvedge::curve::{Curve, Heading, Traversal};
 use selvedge::evaluate::{Evaluate, SurfacePoint};
 use selvedge::mesh::FaceId;
-use selvedge::subdivision::{Border, Ends, LoopSurface, Snapshot};
-use selvedge::triangulation::{Density, TriangulateOptions};
+use selvedge::subdivision::{Border, LoopSurface, Snapshot};
 use selvedge::trim::{Sides, Stale, TrimOptions};
 use selvedge_systems::closest::SurfaceIndex;
 use selvedge_systems::subdivision::limit::LimitSurface;
-use selvedge_systems::triangulate::triangulate;
 
 use super::grounds::Start;
+use super::seam::{Seam, bits, seam};
 use super::world::{Live, Model};
 use super::{Draw, view};
 
-type Bits = [u64; 3];
 type Index = SurfaceIndex<LimitSurface>;
-
-fn bits(p: DVec3) -> Bits {
-    (p + DVec3::ZERO).to_array().map(f64::to_bits)
-}
 
 /// What is wrong with what a world has come to.
 pub fn judge(start: &Start, live: &mut Live, model: &Model, draw: &mut Draw) -> Option<String> {
@@ -53,7 +47,7 @@ pub fn judge(start: &Start, live: &mut Live, model: &Model, draw: &mut Draw) -> 
         let lines = model.trims[t].cuts.iter().filter_map(|&(line, _)| model.lines[line].curve.clone());
         let lines: Vec<_> = lines.collect();
         for level in [0, 2] {
-            if let Err(why) = seam(&result, &other, &lines, level) {
+            if let Err(why) = meets(&result, &other, &lines, level) {
                 return Some(format!("the seam of trim {t} at level {level}: {why}"));
             }
         }
@@ -119,7 +113,7 @@ fn within(surface: &Arc<LoopSurface>, source: &Index, fit: f64, draw: &mut Draw)
     let mut worst = (0.0, DVec3::ZERO);
     for f in 0..surface.mesh.face_count() {
         for _ in 0..5 {
-            let [s, t] = draw.place();
+            let [s, t] = draw.in_triangle();
             let x = index.surface().position(SurfacePoint::new(FaceId::new(f), s, t));
             let off = source.closest(x).map_err(|e| format!("face {f}: {e}"))?.distance;
             worst = if off > worst.0 { (off, x) } else { worst };
@@ -149,7 +143,7 @@ fn on_curves(surface: &LoopSurface) -> Result<(), String> {
 fn cover(source: &Index, parts: &[&Index], fit: f64, draw: &mut Draw) -> Result<(), String> {
     for f in 0..source.surface().face_count() {
         for _ in 0..4 {
-            let [s, t] = draw.place();
+            let [s, t] = draw.in_triangle();
             let y = source.surface().position(SurfacePoint::new(FaceId::new(f), s, t));
             let off = parts.iter().filter_map(|part| part.closest(y).ok()).map(|found| found.distance);
             let off = off.fold(f64::INFINITY, f64::min);
@@ -162,34 +156,10 @@ fn cover(source: &Index, parts: &[&Index], fit: f64, draw: &mut Draw) -> Result<
 }
 
 /// Is every border edge of `other` along `lines` one of `kept`, the other way?
-fn seam(kept: &LoopSurface, other: &LoopSurface, lines: &[Arc<dyn Curve>], level: u32) -> Result<(), String> {
-    let options = TriangulateOptions { density: Density::Level(level), ..TriangulateOptions::default() };
-    let borders = |surface: &LoopSurface| {
-        let made = triangulate(surface, &options).map_err(|why| why.to_string())?.triangles;
-        let corners = made.triangles.iter().map(|t| t.map(|v| bits(made.positions[v as usize])));
-        let mut edges: Vec<[Bits; 2]> = corners.flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
-        edges.sort_unstable();
-        let alone = |[a, b]: &&[Bits; 2]| edges.binary_search(&[*b, *a]).is_err();
-        Ok::<_, String>(edges.iter().filter(alone).copied().collect::<Vec<_>>())
-    };
-    let (kept, beside) = (borders(kept)?, borders(other)?);
-    let (mut samples, mut edges) = (Vec::new(), 0);
-    for side in &other.sides {
-        let Border::Given { curve, .. } = &side.border else { continue };
-        if lines.iter().any(|own| Arc::ptr_eq(own, curve.curve())) {
-            let open = u64::from(side.ends == Ends::Corners);
-            let count = (side.edge_count() as u64) << level;
-            let at = |step| bits(curve.sample(level, side.curve_index(level, step).expect("a step of the side")));
-            samples.extend((open..count).map(at));
-            edges += count as usize;
-        }
-    }
-    samples.sort_unstable();
-    let is_seam = |[a, b]: &&[Bits; 2]| samples.binary_search(a).is_ok() || samples.binary_search(b).is_ok();
-    let along: Vec<_> = beside.iter().filter(is_seam).collect();
-    let open = along.iter().filter(|[a, b]| kept.binary_search(&[*b, *a]).is_err()).count();
-    if edges == 0 || open > 0 {
-        return Err(format!("{open} of {} edges are open, {edges} run along its curves", along.len()));
+fn meets(kept: &LoopSurface, other: &LoopSurface, lines: &[Arc<dyn Curve>], level: u32) -> Result<(), String> {
+    let Seam { expected, found, open } = seam(kept, other, lines, level)?;
+    if expected == 0 || open > 0 {
+        return Err(format!("{open} of {found} edges are open, {expected} run along its curves"));
     }
     Ok(())
 }

@@ -2,10 +2,13 @@
 //! the last edit leaves it comes to, bit for bit; and what an oracle that does not know how trims are made
 //! lets pass.
 
-mod draw;
 mod edits;
 mod grounds;
 mod judge;
+#[path = "../random.rs"]
+mod random;
+#[path = "../seam.rs"]
+mod seam;
 mod shapes;
 mod view;
 mod world;
@@ -13,8 +16,8 @@ mod world;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
-pub use draw::Draw;
 pub use grounds::Grounds;
+pub use random::Draw;
 use world::{Live, Model};
 
 /// What became of a scenario.

@@ -189,7 +189,7 @@ pub fn place(ground: &Ground, draw: &mut Draw) -> SurfacePoint {
         0 => SurfacePoint::new(face, 0.0, 0.0),
         1 => SurfacePoint::new(face, draw.unit(), 0.0),
         _ => {
-            let [s, t] = draw.place();
+            let [s, t] = draw.in_triangle();
             SurfacePoint::new(face, s, t)
         }
     }

@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use selvedge_components::curve::{Curve, Heading};
-use selvedge_components::subdivision::LoopSurface;
+use selvedge_components::curve::{Curve, CurveParameters, Extent, Heading, ParameterError};
+use selvedge_components::subdivision::{Border, LoopSurface, Side};
 
 use super::super::*;
 use super::support::{Walker, circle, lattice};
@@ -206,4 +206,72 @@ fn curves_that_all_but_meet_in_one_point_are_told_where_they_do() {
         *kinds.entry(placed(&format!("{k}"), &cuts, &why)).or_insert(0) += 1;
     }
     assert!(!kinds.is_empty(), "what is too small for any cage is told");
+}
+
+/// A border of the plate whose middle the curve passes within some last digits of its parameter: there are
+/// none between those of neighbouring vertices once edges are halved a few times.
+#[derive(Debug)]
+struct Hurried {
+    vertices: Vec<(f64, DVec3)>,
+}
+
+impl Hurried {
+    fn new(points: Vec<DVec3>, digits: f64) -> Self {
+        let n = points.len() - 1;
+        let u = |i: usize| match i {
+            0..=2 => 0.1 * i as f64,
+            i if i + 2 >= n => 1.0 - 0.1 * (n - i) as f64,
+            i => 0.5 + (i as f64 - 0.5 * n as f64) * digits * f64::EPSILON,
+        };
+        Self { vertices: points.into_iter().enumerate().map(|(i, at)| (u(i), at)).collect() }
+    }
+}
+
+impl Curve for Hurried {
+    fn position(&self, u: f64) -> DVec3 {
+        let k = self.vertices.partition_point(|v| v.0 <= u).clamp(1, self.vertices.len() - 1);
+        let [(u0, a), (u1, b)] = [self.vertices[k - 1], self.vertices[k]];
+        a.lerp(b, (u - u0) / (u1 - u0))
+    }
+}
+
+/// The plate, whose lower side is given by a curve that hurries.
+fn hurried_plate() -> (Plate, usize) {
+    let mut plate = Plate::new();
+    let LoopSurface { points, sides, .. } = &mut plate.surface;
+    let is_low = |side: &Side| side.vertices.iter().all(|v| points[v.index()].y < -0.29);
+    let s = sides.iter().position(is_low).expect("a lower side");
+    let hurried = Hurried::new(sides[s].vertices.iter().map(|v| points[v.index()]).collect(), 2.0);
+    let u = hurried.vertices.iter().map(|v| v.0).collect();
+    let curve = CurveParameters::new(Arc::new(hurried), Extent::Open, u, &[]).expect("they ascend");
+    for (v, at) in sides[s].vertices.iter().zip(curve.samples(0)) {
+        points[v.index()] = at;
+    }
+    sides[s].border = Border::Given { curve: Arc::new(curve), first: 0, heading: Heading::Along };
+    (plate, s)
+}
+
+/// A bore beside such a border halves its edges until two vertices have one parameter. Where nothing else is
+/// cut that is told of the source's side; where a curve ends on the side, a finer cage may be what is
+/// wanted there, and what is told is that none has helped.
+#[test]
+fn sides_whose_parameters_come_to_an_end_are_told_by_the_side_or_by_the_curve_that_ends_there() {
+    let (plate, s) = hurried_plate();
+    let bore = || flat(circle(DVec2::new(0.004, -0.27), 0.02), 0.123, Heading::Along);
+    let notch = flat(circle(DVec2::new(-0.251, -0.301), 0.02), 0.123, Heading::Along);
+    for tries in [0, RemeshOptions::default().tries] {
+        let options = RemeshOptions { tries, ..RemeshOptions::default() };
+        match plate.cut(&[bore()], &options).1.map(drop) {
+            Err(RemeshError::Parameters { side, u, at, source: ParameterError::NotAscending { .. } }) => {
+                assert!(side == s && (u - 0.5).abs() < 1e-15 && (at.y + 0.3).abs() < 1e-15, "u = {u}, {at}");
+            }
+            other => panic!("{tries}: {other:?}"),
+        }
+        let (cuts, made) = plate.cut(&[notch.clone(), bore()], &options);
+        let why = made.map(drop).expect_err("the side is as it was");
+        let RemeshError::Unresolved { what, curve: 0, at, .. } = why else { panic!("{tries}: {why}") };
+        assert_eq!(what, "too coarse to tell places along it apart");
+        assert!((at.y + 0.3).abs() < 1e-3, "the notch ends on the side, not at {at}");
+        assert_eq!(placed("a notch", &cuts, &why), Some("unresolved"));
+    }
 }

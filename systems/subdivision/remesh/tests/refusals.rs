@@ -123,3 +123,34 @@ fn a_smaller_reach_changes_less() {
         judge(&plate, &cuts, &result);
     }
 }
+
+/// A ring between two circles, as wide as told.
+fn ring(walker: &Arc<Walker>, width: f64) -> Vec<Cut> {
+    let centre = DVec2::new(0.013, 0.007);
+    let outer = circle(centre, 0.08);
+    vec![on(walker, circle(centre, 0.08 - width)), on(walker, move |u| outer(1.0 - u))]
+}
+
+/// Where boundaries do not come apart each try doubles the faces along them: the work is bounded by how many
+/// are split over all, well before tries or levels have come to an end.
+#[test]
+fn boundaries_that_do_not_come_apart_are_given_up_after_work_that_is_bounded() {
+    let (plate, walker) = plate();
+    for width in [1e-4, 1e-6] {
+        let cuts = ring(&walker, width);
+        let images = cuts.iter().map(|c| trace(&plate.mesh, &*walker, &*c.curve, TRACE).expect("a pre-image"));
+        let (images, options) = (images.collect(), RemeshOptions::default());
+        let mut work = RemeshWork::new(Arc::new(plate.clone()), cuts, images, options).expect("closed curves");
+        let why = loop {
+            let step = work
+                .advance()
+                .and_then(|step| if step == RemeshQuantum::Laid { work.relax().map(drop) } else { Ok(()) });
+            if let Err(why) = step {
+                break why;
+            }
+            assert!(work.faces_split() < 1 << 17, "{} faces split", work.faces_split());
+        };
+        let RemeshError::Unresolved { tries, level, .. } = why else { panic!("{why}") };
+        assert!(work.faces_split() > 1 << 16 && tries < options.tries && level < options.adapt.finest, "{why}");
+    }
+}
