@@ -173,8 +173,7 @@ impl RemeshWork {
 
     /// How fine the cage was asked to be along its borders, by tries or before them.
     pub fn fineness(&self) -> Vec<Fineness> {
-        let asked = |plan: &Box<Arrangement>| fineness::of(plan, &self.cuts, &self.least);
-        self.plan.as_ref().map_or_else(Vec::new, asked)
+        self.plan.as_deref().map_or_else(Vec::new, |plan| fineness::of(plan, &self.cuts, &self.least))
     }
 
     /// Takes the next step towards strips along the curves.
