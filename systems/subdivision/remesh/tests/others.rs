@@ -46,11 +46,11 @@ fn sweep(cases: &Cases<'_>, count: usize) {
 }
 
 #[test]
-fn other_sides_of_random_curves_on_a_plate_have_no_sliver() {
+fn other_sides_on_a_plate_have_no_sliver() {
     with_plate(|cases| sweep(cases, 8));
 }
 
 #[test]
-fn other_sides_of_random_curves_on_globes_have_no_sliver() {
+fn other_sides_on_globes_have_no_sliver() {
     with_globes(|cases| sweep(cases, 4));
 }
