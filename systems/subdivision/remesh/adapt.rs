@@ -321,7 +321,7 @@ fn near(
     let wanted = |segment: u32| finest[segment as usize] > level;
     let visits = track.visits(level, wanted).into_iter();
     let seeds: Vec<(u32, u32)> = visits.filter_map(|v| Some((mesh.find(v.code)?, v.segment))).collect();
-    let near = spread(track, &mesh.corners, &field.limit, seeds.iter().copied(), wanted);
+    let near = spread(track, &mesh.corners, &field.limit, seeds.iter().copied(), wanted, |_| 0.0);
     let mut split: Vec<FaceCode> = seeds.iter().map(|&(face, _)| mesh.codes[face as usize]).collect();
     for (face, code) in mesh.codes.iter().enumerate() {
         if existing.binary_search(code).is_err() {

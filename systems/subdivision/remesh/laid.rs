@@ -21,6 +21,9 @@ use crate::parallel::{for_each, map_dear_in_order};
 /// between curves leaves at the tip of a wedge. A finer cage may do better.
 const SLIVER: f64 = 0.02;
 
+/// How many edges a knot whose parameter is given sees where they are short.
+const SHORT_EDGES: u32 = 2;
+
 /// Knots moved in a quantum, about: each costs a handful of evaluations of its curve.
 const KNOTS: usize = 512;
 
@@ -50,17 +53,21 @@ pub(super) struct Slivers {
     pub flattest: f64,
     /// Where that is.
     pub flattest_at: Option<Near>,
-    /// Where there are slivers.
+    /// Where there are slivers that a finer cage may mend.
     pub places: Vec<Place>,
+    /// Where there are slivers that a wider strip may mend.
+    pub narrow: Vec<Place>,
 }
 
-/// Cuts an adapted cage, and lays a strip along each contour.
+/// Cuts an adapted cage, and lays a strip along each contour. By segment of the track, triangles of the strips
+/// are so long at least.
 pub(super) fn lay(
     surface: &LoopSurface,
     corners: &CornerTable,
     cuts: &[Cut],
     plan: &Arrangement,
     leaves: Leaves,
+    lengths: &[f64],
     options: &RemeshOptions,
 ) -> Result<Laid, Trouble> {
     let track = &plan.track;
@@ -75,13 +82,15 @@ pub(super) fn lay(
         limit: &limit,
         track,
         margin: options.margin,
+        lengths,
     };
     let stays = |f: usize| plan.stays.stays(adapted.sources[f].middle());
     let remains = cage.cut(&crossed(&adapted, track, &leaves), &stays)?;
     let strips = map_dear_in_order(remains.loops.len(), |c| {
         let rim = &remains.loops[c];
         let mut strip = attach::attach(track, c as u32, rim, |v| (limit[v as usize], cage.normal(v)))?;
-        let seated = other::seat(&mut strip, &plan.contours[c], &plan.given[c], cuts, |v| limit[v as usize]);
+        let seated =
+            other::seat(&mut strip, &plan.contours[c], &plan.given[c], cuts, |v| (limit[v as usize], cage.normal(v)));
         seated.map(|()| strip).ok_or_else(|| track.place(c as u32, 0.0))
     });
     let strips = strips.into_iter().zip(&remains.loops).map(|(strip, rim)| {
@@ -181,6 +190,7 @@ impl Laid {
             flattest: f64::INFINITY,
             flattest_at: None,
             places: Vec::new(),
+            narrow: Vec::new(),
         };
         for (s, Contour { curve, heading, .. }) in plan.contours.iter().enumerate() {
             let strip = &self.strips[s];
@@ -188,17 +198,21 @@ impl Laid {
             let settling = Settling { strip, rim, curve: &**curve, heading: *heading };
             settling.settle(self.strung[s].knots_mut());
             let knots = self.strung[s].knots();
+            let flattest = settling.flattest(knots);
             for (i, shape) in settling.shapes(knots).into_iter().enumerate() {
                 let near = || plan.track.place_of_parameter(strip.cut, knots[i].t);
                 if shape < slivers.worst {
                     (slivers.worst, slivers.worst_at) = (shape, Some(near()));
                 }
-                if shape.abs() < slivers.flattest {
-                    (slivers.flattest, slivers.flattest_at) = (shape.abs(), Some(near()));
+                if flattest[i] < slivers.flattest {
+                    (slivers.flattest, slivers.flattest_at) = (flattest[i], Some(near()));
                 }
                 if shape < SLIVER {
-                    let near = near();
-                    slivers.places.push(self.place(s, i, near));
+                    let place = self.place(s, i, near());
+                    let (own, next) = (strip.knots[i], strip.knots[(i + 1) % strip.knots.len()]);
+                    // Of edges that are short already a finer cage has more, in thinner triangles.
+                    let is_narrow = (own.given && own.span >= SHORT_EDGES) || (next.given && next.span >= SHORT_EDGES);
+                    if is_narrow { slivers.narrow.push(place) } else { slivers.places.push(place) }
                 }
             }
         }

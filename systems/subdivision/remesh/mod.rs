@@ -25,6 +25,7 @@ pub mod contour;
 mod crossing;
 mod cusps;
 pub mod field;
+mod fineness;
 pub mod hints;
 pub mod junction;
 mod laid;
@@ -58,6 +59,7 @@ use selvedge_components::trim::Omega;
 pub use adapt::AdaptOptions;
 pub use assemble::{FaceOrigin, Remeshed, SideOrigin, VertexOrigin};
 pub use error::{PreImageError, RemeshError};
+pub use fineness::Fineness;
 pub use hints::Hints;
 pub use junction::JunctionOptions;
 pub use other::OtherSide;
@@ -147,10 +149,10 @@ pub fn remesh(
     preimages: &[PreImage],
     options: &RemeshOptions,
 ) -> Result<Remeshed, RemeshError> {
-    run(RemeshWork::new(surface.into(), cuts.to_vec(), preimages.to_vec(), *options)?)
+    run(&mut RemeshWork::new(surface.into(), cuts.to_vec(), preimages.to_vec(), *options)?)
 }
 
-fn run(mut work: RemeshWork) -> Result<Remeshed, RemeshError> {
+fn run(work: &mut RemeshWork) -> Result<Remeshed, RemeshError> {
     loop {
         while work.advance()? == RemeshQuantum::More {}
         loop {

@@ -86,19 +86,23 @@ pub struct Cage<'a> {
     pub track: &'a Track,
     /// The part of its size that a triangle's corner must be away from a curve.
     pub margin: f64,
+    /// By segment of the curves, how long the strip's triangles are there at least: the margin is as much a
+    /// part of that.
+    pub lengths: &'a [f64],
 }
 
 impl Cage<'_> {
     /// Cuts the cage. `crossed` lists triangles with a segment that crosses them; `stays` tells of
     /// one that no segment crosses whether it lies on the left of all curves.
     pub fn cut(&self, crossed: &[(u32, u32)], stays: &dyn Fn(usize) -> bool) -> Result<Remains, Trouble> {
-        let near = spread(self.track, self.triangles, self.limit, crossed.iter().copied(), |_| true);
+        let room = |segment: u32| self.margin * self.lengths[segment as usize];
+        let near = spread(self.track, self.triangles, self.limit, crossed.iter().copied(), |_| true, |s| 2.0 * room(s));
         let mut fates = vec![Fate::Kept; self.triangles.len()];
         crossed.iter().for_each(|&(f, _)| fates[f as usize] = Fate::Cut);
         for (fate, corners) in fates.iter_mut().zip(self.triangles) {
-            let room = self.margin * size(corners.map(|v| self.limit[v as usize]));
+            let own = self.margin * size(corners.map(|v| self.limit[v as usize]));
             // The curve itself lies a little aside of its track.
-            let too_near = |n: Near| n.distance < room + self.track.stand_off(n.segment);
+            let too_near = |n: Near| n.distance < own.max(room(n.segment)) + self.track.stand_off(n.segment);
             if corners.iter().any(|&v| near[v as usize].is_some_and(too_near)) {
                 *fate = Fate::Cut;
             }

@@ -89,6 +89,12 @@ impl Settling<'_> {
         (0..at.len()).map(|i| self.worst(i, &at)).collect()
     }
 
+    /// By knot, the least shape of the triangles that begin with it, whichever way they face.
+    pub fn flattest(&self, knots: &[Slider]) -> Vec<f64> {
+        let at: Vec<DVec3> = knots.iter().map(|k| self.position(k.t)).collect();
+        (0..at.len()).map(|i| self.begun(i, &at).map(f64::abs).fold(f64::INFINITY, f64::min)).collect()
+    }
+
     pub(super) fn position(&self, t: f64) -> DVec3 {
         self.curve.position(curve_parameter(self.curve, self.heading, t))
     }
@@ -143,13 +149,18 @@ impl Settling<'_> {
 
     /// The worst shape of the triangles between knot `i` and the rim, and to the next knot.
     pub(super) fn worst(&self, i: usize, at: &[DVec3]) -> f64 {
+        self.begun(i, at).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The shapes of the triangles between knot `i` and the rim, and to the next knot.
+    fn begun<'a>(&'a self, i: usize, at: &'a [DVec3]) -> impl Iterator<Item = f64> + 'a {
         let own = self.strip.knots[i];
         let seen: Range<u32> = own.first..own.first + own.span;
-        let fan = seen.map(|j| {
+        let fan = seen.map(move |j| {
             let (q, r) = (self.rim_at(j), self.rim_at(j + 1));
             shape([r.0, q.0, at[i]], q.1 + r.1)
         });
-        fan.fold(f64::INFINITY, f64::min).min(self.link(i, at))
+        fan.chain([self.link(i, at)])
     }
 
     /// The shape of the triangle between knot `i` and the next.
@@ -168,7 +179,7 @@ impl Settling<'_> {
 }
 
 /// As [`shape`](super::super::relax::shape), and below zero where the triangle faces away from `up`.
-fn shape([a, b, c]: [DVec3; 3], up: DVec3) -> f64 {
+pub(super) fn shape([a, b, c]: [DVec3; 3], up: DVec3) -> f64 {
     let plain = super::super::relax::shape([a, b, c]);
     if (b - a).cross(c - a).dot(up) < 0.0 { -plain } else { plain }
 }

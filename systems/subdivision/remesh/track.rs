@@ -399,13 +399,14 @@ pub fn size(corners: [DVec3; 3]) -> f64 {
 const SPREAD: f64 = 4.0;
 
 /// The nearest place of `track` for the vertices near it. `seeds` are triangles that segments cross;
-/// only places on segments that count are nearest ones.
+/// only places on segments that count are nearest ones. It spreads `reach` far at least, by segment.
 pub fn spread(
     track: &Track,
     triangles: &[[u32; 3]],
     positions: &[DVec3],
     seeds: impl IntoIterator<Item = (u32, u32)>,
     counts: impl Fn(u32) -> bool,
+    reach: impl Fn(u32) -> f64,
 ) -> Vec<Option<Near>> {
     let around = Around::new(positions.len(), triangles);
     let mut near: Vec<Option<Near>> = vec![None; positions.len()];
@@ -431,7 +432,8 @@ pub fn spread(
         let Some(own) = near[v as usize] else { continue };
         for &face in around.of(v) {
             let corners = triangles[face as usize];
-            if own.distance > SPREAD * size(corners.map(|c| positions[c as usize])) {
+            let far = SPREAD * size(corners.map(|c| positions[c as usize]));
+            if own.distance > far.max(reach(own.segment)) {
                 continue;
             }
             for c in corners.into_iter().filter(|&c| c != v) {

@@ -11,9 +11,10 @@ use super::adapt::{self, AdaptOptions};
 use super::arrange::{self, Arrangement};
 use super::assemble::Remeshed;
 use super::error::RemeshError;
+use super::fineness::{self, Fineness};
 use super::laid::{Laid, lay};
 use super::leaves::Leaves;
-use super::other::OtherSide;
+use super::other::{self, OtherSide};
 use super::preimage::{Extent, PreImage};
 use super::remove::{Place, Trouble};
 use super::track::{Near, Track};
@@ -34,10 +35,15 @@ pub struct RemeshWork {
     other: Option<OtherSide>,
     /// How the curves meet, once that is known.
     plan: Option<Box<Arrangement>>,
-    /// The least level that tries have asked for, by segment of the track.
+    /// How fine it has to be, whatever tries ask for.
+    asked: Vec<Fineness>,
+    /// The least level that is asked for, by segment of the track.
     least: Vec<u32>,
     /// The tries that were too coarse.
     tried: u32,
+    /// By segment of the track, how far apart the knots are that are given there, which a strip has to be wide
+    /// enough for; halved where that leaves no rim.
+    lengths: Vec<f64>,
     /// How many faces the first try has split, and all after it.
     split: [u64; 2],
     /// Of these, the ones that were so for slivers alone; and the best that came of them.
@@ -65,6 +71,8 @@ struct Thin {
     worst: f64,
     /// Where that is.
     worst_at: Option<Near>,
+    /// The least level that was asked for, by segment of the track.
+    least: Vec<u32>,
     remeshed: Box<Remeshed>,
 }
 
@@ -90,6 +98,12 @@ pub enum RelaxQuantum {
 
 /// How often a cage is made finer for slivers alone: each time costs as much as all before it.
 const SLIVER_TRIES: u32 = 5;
+
+/// The same where knots are given: most of those tries make the strip wider, and nothing finer.
+const GIVEN_TRIES: u32 = 12;
+
+/// How much wider a strip becomes at a time where it is too narrow for given knots.
+const WIDER: f64 = 1.5;
 
 /// How many faces may be split over all tries but the first: a second or two of work. Where boundaries do not
 /// come apart for less, they touch ...
@@ -129,7 +143,9 @@ impl RemeshWork {
             beyond: Beyond::default(),
             other: None,
             plan,
+            asked: Vec::new(),
             least,
+            lengths: Vec::new(),
             tried: 0,
             split: [0; 2],
             thin: (0, None),
@@ -149,6 +165,17 @@ impl RemeshWork {
         Self { other: Some(other), ..self }
     }
 
+    /// Asks for a cage that is so fine along the curves.
+    #[must_use]
+    pub fn as_fine_as(self, asked: Vec<Fineness>) -> Self {
+        Self { asked, ..self }
+    }
+
+    /// How fine the cage was asked to be along its borders, by tries or before them.
+    pub fn fineness(&self) -> Vec<Fineness> {
+        self.plan.as_deref().map_or_else(Vec::new, |plan| fineness::of(plan, &self.cuts, &self.least))
+    }
+
     /// Takes the next step towards strips along the curves.
     ///
     /// # Errors
@@ -162,6 +189,7 @@ impl RemeshWork {
     /// Goes back to the best cage with slivers, if there is one, where a finer one is not to be had.
     fn fall_back(&mut self, why: RemeshError) -> Result<(), RemeshError> {
         let best = self.thin.1.take().filter(|best| best.worst >= WORST).ok_or(why)?;
+        self.least = best.least;
         self.state = State::Settled(best.remeshed);
         Ok(())
     }
@@ -176,7 +204,12 @@ impl RemeshWork {
             let junctions = &self.options.junctions;
             let (surface, cuts, images) = (&self.surface, &self.cuts, &self.preimages);
             let plan = arrange::arrange(surface, cuts, images, junctions, &self.beyond, self.other.as_ref())?;
-            self.least = vec![0; plan.track.points.len()];
+            self.least = fineness::along(&plan, cuts, &self.asked);
+            self.lengths = other::gaps(&plan, cuts);
+            let finest = adapt::finest(surface, &self.options.adapt);
+            for (least, level) in self.least.iter_mut().zip(other::levels(&plan, surface, &self.lengths)) {
+                *least = (*least).max(level).min(finest);
+            }
             self.plan = Some(Box::new(plan));
             return Ok(RemeshQuantum::More);
         };
@@ -191,9 +224,10 @@ impl RemeshWork {
             }
             State::Adapted(leaves) => {
                 let finest = leaves.finest();
-                match lay(&self.surface, &self.corners, &self.cuts, plan, *leaves, &self.options) {
+                match lay(&self.surface, &self.corners, &self.cuts, plan, *leaves, &self.lengths, &self.options) {
                     Ok(laid) => self.state = State::Laid(Box::new(laid)),
                     Err(trouble) => {
+                        self.lengths.iter_mut().for_each(|length| *length *= 0.5);
                         self.make_finer(trouble, finest)?;
                         return Ok(RemeshQuantum::More);
                     }
@@ -240,14 +274,27 @@ impl RemeshWork {
         };
         let best = match self.thin.1.take() {
             Some(best) if best.worst >= worst => best,
-            _ => Thin { worst, worst_at, remeshed: Box::new(remeshed) },
+            _ => Thin { worst, worst_at, least: self.least.clone(), remeshed: Box::new(remeshed) },
         };
         // The knots of the other side are given, and do not follow a finer cage, but the rim's edges are others
         // there.
         let helps = self.other.is_none() || best.worst < WORST;
-        let may = self.thin.0 < SLIVER_TRIES && self.tried < self.options.tries && helps;
-        if may && !slivers.places.is_empty() && within(&best.remeshed).1 {
+        let most = if self.other.is_some() { GIVEN_TRIES } else { SLIVER_TRIES };
+        let may = self.thin.0 < most && self.tried < self.options.tries && helps;
+        let any = !(slivers.places.is_empty() && slivers.narrow.is_empty());
+        if may && any && within(&best.remeshed).1 {
             self.thin = (self.thin.0 + 1, Some(best));
+            for place in &slivers.narrow {
+                let lengths = &mut self.lengths;
+                around(&plan.track, place, |segment| {
+                    let length = &mut lengths[segment as usize];
+                    *length = (WIDER * *length).max(0.5 * place.size);
+                });
+            }
+            if slivers.places.is_empty() {
+                self.state = State::Coarse;
+                return Ok(RelaxQuantum::Again);
+            }
             let finer = self.make_finer(Trouble::TooCoarse { what: SLIVERS, places: slivers.places }, finest);
             finer.or_else(|why| self.fall_back(why))?;
             return Ok(RelaxQuantum::Again);
@@ -266,7 +313,10 @@ impl RemeshWork {
             }
             _ => match best.worst_at.filter(|_| best.worst < WORST) {
                 Some(near) => Err(self.unresolved(plan, SLIVERS, near, finest)),
-                None => Ok(RelaxQuantum::Finished(best.remeshed)),
+                None => {
+                    self.least = best.least;
+                    Ok(RelaxQuantum::Finished(best.remeshed))
+                }
             },
         }
     }
@@ -344,14 +394,18 @@ const ASIDE: f64 = 3.0;
 
 /// Asks for level `wanted` along the curve near `place`.
 fn ask_for_finer(track: &Track, place: &Place, wanted: u32, least: &mut [u32]) {
+    around(track, place, |segment| least[segment as usize] = least[segment as usize].max(wanted));
+}
+
+/// The segments along the curve near `place`; the one there may come twice.
+fn around(track: &Track, place: &Place, mut each: impl FnMut(u32)) {
     let cut = track.points[place.near.segment as usize].cut;
     let whole = track.tracks[cut as usize];
-    let mut raise = |segment: u32| least[segment as usize] = least[segment as usize].max(wanted);
     let from = track.along(place.near);
     for (sign, reach) in [(1.0, ASIDE * place.size), (-1.0, ASIDE * place.size)] {
         let mut at = place.near.segment;
         for _ in 0..whole.count {
-            raise(at);
+            each(at);
             let far = (track.points[at as usize].along - from) * sign;
             let far = if whole.closed { far - (far / whole.length).floor() * whole.length } else { far };
             let next = if sign > 0.0 { track.points[at as usize].next } else { track.points[at as usize].previous };

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use selvedge_components::subdivision::LoopSurface;
 use selvedge_components::subdivision::fit::{Outcome, Quantum};
+use selvedge_components::subdivision::remesh::RemeshError;
 use selvedge_components::trim::{OtherReport, TrimFault, TrimQuantum};
 
 use super::audit::TrimAuditWork;
@@ -37,18 +38,26 @@ struct Made {
     fit: Box<FitWork>,
 }
 
+/// Begins to work the curves of one trim into the cage, turned; with parameters of its own if nothing is `kept`.
+///
+/// # Errors
+/// As [`RemeshWork::new`].
+pub(super) fn cutting(work: &TrimWork, trim: usize, kept: Option<Arc<Remeshed>>) -> Result<RemeshWork, RemeshError> {
+    let (cuts, images) = work.cuts();
+    let other = OtherSide { set: trim as u32, kept };
+    let (surface, turned) = (Arc::clone(&work.ground().surface), other.turned(&cuts));
+    let cutting = RemeshWork::new(surface, turned, images, work.remesh_options())?;
+    let beyond = work.zone().map_or_else(Beyond::default, |zone| zone.beyond.clone());
+    Ok(cutting.within(beyond).on_other_side(other).as_fine_as(work.asked().to_vec()))
+}
+
 impl OtherWork {
     /// Begins to work the curves of one trim into the cage, turned.
     ///
     /// # Errors
     /// As [`RemeshWork::new`].
     pub(super) fn new(work: &TrimWork, trim: usize, kept: Arc<Remeshed>) -> Result<Self, TrimFault> {
-        let (cuts, images) = work.cuts();
-        let other = OtherSide { set: trim as u32, kept };
-        let (surface, turned) = (Arc::clone(&work.ground().surface), other.turned(&cuts));
-        let cutting = RemeshWork::new(surface, turned, images, work.remesh_options());
-        let beyond = work.zone().map_or_else(Beyond::default, |zone| zone.beyond.clone());
-        let cutting = cutting.map_err(|why| work.named(why))?.within(beyond).on_other_side(other);
+        let cutting = cutting(work, trim, Some(kept)).map_err(|why| work.named(why))?;
         Ok(Self { trim, stage: Stage::Remesh(Box::new(cutting)) })
     }
 

@@ -40,15 +40,21 @@ pub fn judge_union(source: &LoopSurface, cuts: &[Cut], result: &Remeshed) -> Ver
     sides_are_their_lines(cuts, result);
     junctions_are_where_lines_meet(cuts, result);
     let inside = (0..mesh.vertex_count()).map(VertexId::new).filter(|&v| !mesh.is_border(v));
-    let at = |v: VertexId| result.limit[v.index()];
-    let shapes = mesh.faces().iter().map(|f| (shape(f.map(at)), f.map(at).iter().sum::<DVec3>() / 3.0));
-    let (worst_shape, worst_at) = shapes.min_by(|a, b| a.0.total_cmp(&b.0)).expect("a face");
+    let (worst_shape, worst_at) = worst_shape(result);
     Verdict {
         worst_at,
         most_valence: inside.map(|v| mesh.valence(v)).max().unwrap_or(0),
         worst_shape,
         same: limit_patches_outside_are_the_same(source, result),
     }
+}
+
+/// The worst shape of a triangle, and where that is.
+pub fn worst_shape(result: &Remeshed) -> (f64, DVec3) {
+    let at = |v: VertexId| result.limit[v.index()];
+    let faces = result.surface.mesh.faces().iter();
+    let shapes = faces.map(|f| (shape(f.map(at)), f.map(at).iter().sum::<DVec3>() / 3.0));
+    shapes.min_by(|a, b| a.0.total_cmp(&b.0)).expect("a face")
 }
 
 fn fates_tile_the_source(source: &LoopSurface, result: &Remeshed) {

@@ -8,6 +8,7 @@ mod closed;
 mod crossings;
 mod draw;
 mod judge;
+mod others;
 mod placed;
 mod refusals;
 mod rims;

@@ -37,8 +37,8 @@ fn any(numbers: &mut Numbers, centre: DVec2, radius: f64) -> (Plane, Vec<f64>) {
 }
 
 /// A place to cut, with the axes of the plane from which curves are laid.
-struct Ground {
-    surface: LoopSurface,
+pub struct Ground {
+    pub surface: LoopSurface,
     walker: Arc<Walker>,
     edge: f64,
 }
@@ -70,7 +70,32 @@ impl Ground {
             .collect()
     }
 
-    fn cut(&self, cuts: &[Cut]) -> Result<Remeshed, RemeshError> {
+    pub fn cut(&self, cuts: &[Cut]) -> Result<Remeshed, RemeshError> {
+        run(&mut self.begin(cuts)?)
+    }
+
+    /// What curves leave, and what each set of them removes of that which the others leave: as trims are made.
+    pub fn both_sides(&self, cuts: &[Cut]) -> Result<(Remeshed, Vec<Result<Remeshed, RemeshError>>), RemeshError> {
+        let begin = |set, kept| {
+            let other = OtherSide { set, kept };
+            Ok(self.begin(&other.turned(cuts))?.on_other_side(other))
+        };
+        let sets = 0..cuts.iter().map(|cut| cut.set + 1).max().unwrap_or(0);
+        let mut asked = Vec::new();
+        for set in sets.clone() {
+            let mut alone: RemeshWork = begin(set, None)?;
+            if run(&mut alone).is_ok() {
+                asked.extend(alone.fineness());
+            }
+        }
+        let mut work = self.begin(cuts)?.as_fine_as(asked);
+        let kept = Arc::new(run(&mut work)?);
+        let other = |set| run(&mut begin(set, Some(Arc::clone(&kept)))?.as_fine_as(work.fineness()));
+        let others = sets.map(other).collect();
+        Ok((Arc::unwrap_or_clone(kept), others))
+    }
+
+    fn begin(&self, cuts: &[Cut]) -> Result<RemeshWork, RemeshError> {
         let options = TraceOptions { curve: 1e-6 * self.edge, step: self.edge / 8.0 };
         let images = cuts.iter().enumerate().map(|(curve, cut)| {
             trace(&self.surface.mesh, &*self.walker, &*cut.curve, options)
@@ -78,7 +103,8 @@ impl Ground {
         });
         let images = images.collect::<Result<Vec<_>, _>>()?;
         let junctions = JunctionOptions::within(1e-6 * self.edge);
-        remesh(self.surface.clone(), cuts, &images, &RemeshOptions { junctions, ..RemeshOptions::default() })
+        let options = RemeshOptions { junctions, ..RemeshOptions::default() };
+        RemeshWork::new(Arc::new(self.surface.clone()), cuts.to_vec(), images, options)
     }
 }
 
@@ -92,7 +118,7 @@ struct Tally {
 }
 
 /// The variant's name, to count by.
-fn kind(why: &RemeshError) -> String {
+pub fn kind(why: &RemeshError) -> String {
     let all = format!("{why:?}");
     let inner = if let RemeshError::PreImage { source, .. } = why { format!("{source:?}") } else { String::new() };
     let name = |s: &str| s.split([' ', '{', '(']).next().unwrap_or_default().to_owned();
@@ -162,8 +188,8 @@ fn sweep(cases: &Cases<'_>, count: usize) {
 }
 
 /// Random curves, the same on every run.
-struct Cases<'a> {
-    name: &'a str,
+pub struct Cases<'a> {
+    pub name: &'a str,
     grounds: &'a [Ground],
     seed: u64,
     /// Where the curves of a case are laid, and how wide in edges of the ground they are.
@@ -171,7 +197,7 @@ struct Cases<'a> {
 }
 
 impl<'a> Cases<'a> {
-    fn first(&self, count: usize) -> impl Iterator<Item = (usize, &'a Ground, Vec<Cut>)> {
+    pub fn first(&self, count: usize) -> impl Iterator<Item = (usize, &'a Ground, Vec<Cut>)> {
         let (grounds, place) = (self.grounds, self.place);
         let mut numbers = Numbers(self.seed);
         (0..count).map(move |case| {
@@ -193,9 +219,9 @@ impl<'a> Cases<'a> {
 }
 
 /// The shape, twice the area over the longest edge squared, below which a triangle is a sliver.
-const SLIVER: f64 = 0.01;
+pub const SLIVER: f64 = 0.01;
 
-fn with_plate(run: impl Fn(&Cases<'_>)) {
+pub fn with_plate(run: impl Fn(&Cases<'_>)) {
     let place = |numbers: &mut Numbers| {
         let at = DVec3::new(numbers.between(-0.05, 0.05), numbers.between(-0.05, 0.05), 0.0);
         (at, numbers.between(0.3, 1.8))
@@ -203,7 +229,7 @@ fn with_plate(run: impl Fn(&Cases<'_>)) {
     run(&Cases { name: "plate", grounds: &[Ground::new(plate8())], seed: 31, place });
 }
 
-fn with_globes(run: impl Fn(&Cases<'_>)) {
+pub fn with_globes(run: impl Fn(&Cases<'_>)) {
     let grounds: Vec<Ground> = [(5, 5), (7, 6), (9, 7)].into_iter().map(|(n, r)| Ground::new(globe(n, r))).collect();
     let place = |numbers: &mut Numbers| {
         let at = [0; 3].map(|_| numbers.between(-1.0, 1.0));

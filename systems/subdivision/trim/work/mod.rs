@@ -18,14 +18,15 @@ use super::audit::TrimAuditWork;
 use super::compose::ZoneOf;
 use super::ground::Ground;
 use super::locate::Located;
-use super::other::OtherWork;
+use super::other::{OtherWork, cutting};
 use super::zone::Zone;
 use crate::closest::Search;
 use crate::subdivision::fit::FitWork;
 use crate::subdivision::natural::Natural;
 use crate::subdivision::region;
 use crate::subdivision::remesh::{
-    Cut, FaceOrigin, JunctionOptions, PreImage, RelaxQuantum, RemeshOptions, RemeshQuantum, RemeshWork, Remeshed,
+    Cut, FaceOrigin, Fineness, JunctionOptions, PreImage, RelaxQuantum, RemeshOptions, RemeshQuantum, RemeshWork,
+    Remeshed,
 };
 
 pub use blame::Blamed;
@@ -44,6 +45,10 @@ pub struct TrimWork {
     /// The part of the source that is worked on; `None` before that is known, and where it is all.
     zone: Option<Arc<ZoneOf>>,
     prepared: bool,
+    /// How fine the cage has to be along the curves for the other sides that are wanted.
+    asked: Vec<Fineness>,
+    /// The other side that is being made for that, and how many members have been asked.
+    alone: (usize, Option<Box<RemeshWork>>),
     cutting: Option<Box<RemeshWork>>,
     options: TrimOptions,
     tolerance: Option<Tolerance>,
@@ -76,6 +81,8 @@ impl TrimWork {
             reserved,
             zone: None,
             prepared: false,
+            asked: Vec::new(),
+            alone: (0, None),
             cutting: None,
             remeshed: None,
             fit: None,
@@ -166,6 +173,7 @@ impl TrimWork {
         }
         let mut cutting = match self.cutting.take() {
             Some(cutting) => cutting,
+            None if self.ask_other_sides() => return Ok(TrimQuantum::More),
             None => Box::new(self.begin_cutting().map_err(|why| self.blame(why))?),
         };
         let step = cutting.advance().map_err(|why| self.blame(why))?;
@@ -176,10 +184,46 @@ impl TrimWork {
         })
     }
 
+    /// Makes the next other side that is wanted by itself, one step further, to learn how fine it is: its knots
+    /// will be those of what stays. Tells whether there is more to do. One that cannot be made asks for nothing;
+    /// it will say why in its turn.
+    fn ask_other_sides(&mut self) -> bool {
+        let (asked, begun) = core::mem::take(&mut self.alone);
+        let Some(trim) = (asked..self.members.len()).find(|&trim| self.wants_other(trim)) else {
+            self.alone.0 = self.members.len();
+            return false;
+        };
+        let begun = begun.map_or_else(|| cutting(self, trim, None).map(Box::new), Ok);
+        let step = begun.and_then(|mut alone| {
+            let laid = alone.advance()? == RemeshQuantum::Laid;
+            let done = laid && matches!(alone.relax()?, RelaxQuantum::Finished(_));
+            Ok((alone, done))
+        });
+        self.alone = match step {
+            Ok((alone, false)) => (trim, Some(alone)),
+            Ok((alone, true)) => {
+                self.asked.extend(alone.fineness());
+                (trim + 1, None)
+            }
+            Err(_) => (trim + 1, None),
+        };
+        true
+    }
+
+    fn wants_other(&self, trim: usize) -> bool {
+        self.members[trim].options.sides == Sides::Both
+    }
+
+    /// How fine the cage has to be along the curves, as far as that is known.
+    pub(super) fn asked(&self) -> &[Fineness] {
+        &self.asked
+    }
+
     fn begin_cutting(&self) -> Result<RemeshWork, RemeshError> {
         let (cuts, images) = self.cuts();
         let options = self.remesh_options();
         let cutting = RemeshWork::new(Arc::clone(&self.ground.surface), cuts, images, options)?;
+        let cutting = cutting.as_fine_as(self.asked.clone());
         Ok(match &self.zone {
             Some(zone) => cutting.within(zone.beyond.clone()),
             None => cutting,
@@ -208,6 +252,7 @@ impl TrimWork {
         if !self.keeps_to_its_zone(&remeshed) {
             return Ok(TrimQuantum::Widen);
         }
+        self.asked = cutting.fineness();
         self.budgets = *budgets;
         self.fit = Some(Box::new(self.fit_of(&remeshed).map_err(|why| self.newest(why))?));
         self.remeshed = Some(Arc::new(remeshed));
@@ -273,7 +318,7 @@ impl TrimWork {
     /// The first trim whose other side is wanted and was not begun.
     fn next_other(&self) -> Option<usize> {
         let begin = self.others.last().map_or(0, |other| other.trim + 1);
-        (begin..self.members.len()).find(|&trim| self.members[trim].options.sides == Sides::Both)
+        (begin..self.members.len()).find(|&trim| self.wants_other(trim))
     }
 
     /// One quantum more of the other sides.
