@@ -72,7 +72,7 @@ enum Extent {
 type Curves = (Entity, Ref<'static, SpaceCurve>, Has<CurveFailed>, Has<CurveUnchecked>);
 
 /// How many curves are checked in a pass: each takes about a millisecond.
-const CURVES: usize = 16;
+const CURVES: usize = 8;
 
 /// What is known of curves from the passes before.
 #[derive(Debug, Default)]

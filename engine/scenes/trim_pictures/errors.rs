@@ -75,7 +75,8 @@ fn cell(trimmed: &Trimmed, level: Option<u32>, style: &MapStyle) -> Result<Cell,
         Some(level) => trimmed.ladder.iter().find(|r| r.level == level).map_or(most, |rung| rung.max),
     };
     let words = level.map_or("before any detail".to_owned(), |level| format!("level {level}"));
-    let caption = format!("{words}: at most {}", Quantity::Length.label(reported, 3));
+    // The map may show a point that is farther off than those of the ladder.
+    let caption = format!("{words}: at most {}", Quantity::Length.label(reported.max(most), 3));
     Ok(Cell::new(with_colour_bar(&picture, &scale, 17.0)?, caption))
 }
 
