@@ -64,19 +64,20 @@ pub fn maps(trimmed: &Trimmed, style: &MapStyle) -> Result<Canvas, TrimPictureEr
 fn cell(trimmed: &Trimmed, level: Option<u32>, style: &MapStyle) -> Result<Cell, TrimPictureError> {
     const DECADES: f64 = 1e-3;
     let map = measure(trimmed, &trimmed.after(level), style.level)?;
-    let most = map.errors.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let shown = map.errors.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let rung = match level {
+        None => trimmed.initial,
+        Some(level) => trimmed.ladder.iter().find(|rung| rung.level == level).copied(),
+    };
+    // Neither the map nor the ladder shows all points.
+    let most = rung.map_or(shown, |rung| rung.max.max(shown));
     let scale = ColourScale::new(DECADES * most, most)?.logarithmic()?.titled("distance");
     let surface = Surface::new(&map.mesh).painted(Paint::Values(&map.errors, &scale));
     let rim = Overlay::lines(region_border(trimmed, &map.mesh), Stroke::new(palette::PAPER, 1.6));
     let border = Overlay::border(&map.mesh, Stroke::new(palette::INK, 1.2))?;
     let picture = Scene::of(surface).with([rim, border]).picture(&style.view, style.frame)?;
-    let reported = match level {
-        None => trimmed.initial.map_or(most, |rung| rung.max),
-        Some(level) => trimmed.ladder.iter().find(|r| r.level == level).map_or(most, |rung| rung.max),
-    };
     let words = level.map_or("before any detail".to_owned(), |level| format!("level {level}"));
-    // The map may show a point that is farther off than those of the ladder.
-    let caption = format!("{words}: at most {}", Quantity::Length.label(reported.max(most), 3));
+    let caption = format!("{words}: at most {}", Quantity::Length.label(most, 3));
     Ok(Cell::new(with_colour_bar(&picture, &scale, 17.0)?, caption))
 }
 

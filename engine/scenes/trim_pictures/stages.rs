@@ -82,15 +82,22 @@ fn remesh_without_relaxation(trimmed: &Trimmed) -> Result<Remeshed, TrimPictureE
 /// # Errors
 /// As the drawing.
 pub fn cages(trims: &[&Trimmed], around: f64) -> Result<Canvas, TrimPictureError> {
-    let cell = |trimmed: &&Trimmed| -> Result<Cell, TrimPictureError> {
-        let all = faces(&trimmed.remeshed);
+    let near = |trimmed: &&Trimmed| -> Vec<Face> {
+        let mut all = faces(&trimmed.remeshed);
         let curve: Vec<DVec3> =
             trimmed.images.first().into_iter().flat_map(|i| &i.points).map(|p| p.position).collect();
         let low = curve.iter().fold(DVec3::INFINITY, |l, &p| l.min(p)) - DVec3::splat(around);
         let high = curve.iter().fold(DVec3::NEG_INFINITY, |h, &p| h.max(p)) + DVec3::splat(around);
-        let inside = |face: &&Face| face.iter().all(|p| p.cmpge(low).all() && p.cmple(high).all());
-        let shown: Vec<Face> = all.iter().filter(inside).copied().collect();
-        let shown = if shown.is_empty() { all.clone() } else { shown };
+        let inside = |face: &Face| face.iter().all(|p| p.cmpge(low).all() && p.cmple(high).all());
+        if all.iter().any(inside) {
+            all.retain(inside);
+        }
+        all
+    };
+    // All on one scale, so that what moves is seen to move.
+    let shown: Vec<Face> = trims.iter().flat_map(near).collect();
+    let cell = |trimmed: &&Trimmed| -> Result<Cell, TrimPictureError> {
+        let all = faces(&trimmed.remeshed);
         let mut page = Domain::about(&all, &shown, if trims.len() == 1 { 2 * SIZE } else { SIZE })?;
         draw_cage(&mut page, &trimmed.remeshed, |_| true);
         Ok(Cell::new(page.into_canvas(), format!("{}: {} faces", trimmed.name, all.len())))
