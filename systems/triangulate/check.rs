@@ -6,23 +6,20 @@
 //! a place.
 
 use core::cell::OnceCell;
-use std::collections::HashMap;
 
 use glam::DVec3;
-use selvedge_components::mesh::{FaceId, HalfedgeId};
-use selvedge_components::subdivision::Deviation;
 
-use super::assemble::{Around, Assembly, Leaf, LeafKey};
-use super::inner::Inner;
+use super::assemble::{Around, Assembly, Leaf};
+use super::known::Known;
 use super::measure::Facet;
-use super::sample::{Farthest, Grid, Piece, Place, Sampled, borders, is_beyond};
+use super::sample::{Farthest, Grid, Sampled, is_beyond};
 use super::{QUANTUM, Subject, quantum};
 use crate::parallel::map_dear_in_order;
 use crate::subdivision::limit::Nest;
 
 /// Of leaves that must be sampled anyway, distances up to this part of the chord are not told apart: what
 /// lies below does not decide, and is seldom the farthest.
-const SHARP: f64 = 0.8;
+pub(super) const SHARP: f64 = 0.8;
 
 /// How many leaves are measured at a time to find the farthest: few at first, since they tell how many
 /// more must be, and then enough for every core.
@@ -204,51 +201,6 @@ fn distance(found: &Farthest) -> f64 {
     found.squared.sqrt()
 }
 
-/// What is known of leaves, whatever the forest around them.
-#[derive(Debug, Default)]
-pub struct Known {
-    /// What was measured by their own triangles alone: it holds in the next forest, too, for those that are
-    /// still there and cut as they were.
-    alone: HashMap<LeafKey, Farthest>,
-    /// How they stand off, of those in root faces that are no polynomials: by root face, along the paths of
-    /// quarters.
-    stand_off: HashMap<FaceId, Vec<(Place, Deviation)>>,
-}
-
-impl Known {
-    /// Adds how leaves of a root face stand off.
-    pub fn learn(&mut self, root: FaceId, stand_off: Vec<(Place, Deviation)>) {
-        if !stand_off.is_empty() {
-            let all = self.stand_off.entry(root).or_default();
-            all.extend(stand_off);
-            all.sort_unstable_by_key(|(place, _)| place.along_paths());
-        }
-    }
-
-    /// How leaves of a root face stand off, as far as that is known.
-    fn stand_off(&self, root: FaceId) -> StandOff<'_> {
-        StandOff(self.stand_off.get(&root).map_or(&[], Vec::as_slice))
-    }
-}
-
-/// How some leaves of a root face stand off, along the paths of quarters.
-struct StandOff<'a>(&'a [(Place, Deviation)]);
-
-impl StandOff<'_> {
-    /// How this leaf does, which comes after all that were asked for before.
-    fn of(&mut self, leaf: Place) -> Option<Deviation> {
-        while let [(place, deviation), rest @ ..] = self.0
-            && place.along_paths() <= leaf.along_paths()
-        {
-            self.0 = rest;
-            if *place == leaf {
-                return Some(*deviation);
-            }
-        }
-        None
-    }
-}
-
 /// A leaf that was measured.
 #[derive(Clone, Copy, Debug)]
 struct Measured {
@@ -258,13 +210,13 @@ struct Measured {
 }
 
 /// What measuring reads.
-struct Checker<'a> {
-    subject: &'a Subject,
-    assembly: &'a Assembly,
-    chord: f64,
-    around: &'a Around,
-    normals: &'a [DVec3],
-    off_rim: &'a [f64],
+pub(super) struct Checker<'a> {
+    pub(super) subject: &'a Subject,
+    pub(super) assembly: &'a Assembly,
+    pub(super) chord: f64,
+    pub(super) around: &'a Around,
+    pub(super) normals: &'a [DVec3],
+    pub(super) off_rim: &'a [f64],
     weights: &'a [[f64; 3]],
 }
 
@@ -306,122 +258,4 @@ impl<'a> Checker<'a> {
         // A distance beyond may be to a triangle that is quartered next.
         Measured { farthest, alone: around.get().is_none() && !is_beyond(&farthest, enough) }
     }
-
-    /// By vertex, how far the border is off the edges of leaves about it; empty if none is off.
-    fn off_rims(&self, known: &Known) -> Vec<f64> {
-        let mesh = &*self.subject.surface.mesh;
-        let root = |f: usize| FaceId::new(f);
-        let on_border = |f: &usize| (0..3).any(|c| mesh.twin(HalfedgeId::of(root(*f), c)).is_none());
-        let faces: Vec<usize> = (0..mesh.face_count()).filter(on_border).collect();
-        let rims = map_dear_in_order(faces.len(), |k| {
-            let mut nest = Nest::new(&self.subject.limit, root(faces[k]));
-            let mut known = known.stand_off(root(faces[k]));
-            let mut rims = Vec::new();
-            for leaf in &self.assembly.leaves[self.assembly.leaves_of(faces[k])] {
-                let borders = borders(self.subject, leaf.place);
-                if borders.contains(&true) {
-                    let deviation = self.deviation(&mut nest, leaf.place, &mut known);
-                    let off = |e: usize| deviation.map_or(f64::INFINITY, |deviation| self.off_rim(leaf, &deviation, e));
-                    rims.extend((0..3).filter(|&e| borders[e]).map(|e| (leaf.edges()[e], off(e))));
-                }
-            }
-            rims
-        });
-        let mut off_rim = vec![0.0_f64; if faces.is_empty() { 0 } else { self.assembly.vertex_count() }];
-        for (ends, off) in rims.into_iter().flatten() {
-            ends.iter().for_each(|&v| off_rim[v as usize] = off_rim[v as usize].max(off));
-        }
-        off_rim
-    }
-
-    /// The bounds of the leaves of a root face: their distances to the places with the same weights, or, where
-    /// these are beyond the chord or not far below it, so that the leaf may be the farthest, what heights say.
-    fn face_bounds(&self, face: usize, known: &Known) -> Vec<f64> {
-        let root = FaceId::new(face);
-        let (mut nest, mut known) = (Nest::new(&self.subject.limit, root), known.stand_off(root));
-        let mut bound = |leaf: &Leaf| {
-            let Some(deviation) = self.deviation(&mut nest, leaf.place, &mut known) else { return f64::INFINITY };
-            let straight = if self.assembly.triangles_of(leaf).len() == 1 {
-                greater(0.0, deviation.greatest())
-            } else {
-                let pieces = self.assembly.pieces(leaf);
-                let straight = pieces.iter().map(|piece| deviation.of_piece(piece.map(|(_, w)| w)).greatest());
-                straight.fold(0.0, greater)
-            };
-            if straight > SHARP * self.chord { straight.min(self.sliding_leaf(leaf, &deviation)) } else { straight }
-        };
-        self.assembly.leaves[self.assembly.leaves_of(face)].iter().map(&mut bound).collect()
-    }
-
-    /// How far the border over edge `edge` of a leaf is off it, across it in the leaf's plane.
-    fn off_rim(&self, leaf: &Leaf, deviation: &Deviation, edge: usize) -> f64 {
-        let corners = leaf.edges().map(|[from, _]| self.assembly.position(from));
-        let [a, b, c] = [0, 1, 2].map(|k| corners[(edge + k) % 3]);
-        let across = (b - a).cross((b - a).cross(c - a)).normalize_or_zero();
-        if across == DVec3::ZERO { f64::INFINITY } else { deviation.off_edge(edge, across) }
-    }
-
-    /// The bound of a leaf that the surface slides along.
-    fn sliding_leaf(&self, leaf: &Leaf, deviation: &Deviation) -> f64 {
-        let mut triangles = self.assembly.triangles_of(leaf);
-        if triangles.len() == 1 {
-            return greater(0.0, triangles.next().map_or(f64::INFINITY, |t| self.sliding(deviation, t)));
-        }
-        let of_piece = |(t, piece): (u32, &Piece)| {
-            let deviation = deviation.of_piece(piece.map(|(_, w)| w));
-            deviation.greatest().min(self.sliding(&deviation, t))
-        };
-        triangles.zip(&self.assembly.pieces(leaf)).map(of_piece).fold(0.0, greater)
-    }
-
-    /// How a leaf stands off the triangle of its corners; `None` where details hide.
-    fn deviation(&self, nest: &mut Nest<'a>, place: Place, known: &mut StandOff<'_>) -> Option<Deviation> {
-        if let Some(deviation) = known.of(place) {
-            return Some(deviation);
-        }
-        let spot = nest.spot(place.level, place.code);
-        if let Some(quartic) = nest.quartic(spot) {
-            return Some(Inner::new(place, spot.level).deviation(quartic));
-        }
-        let hides = self.subject.reach.moves_below(place.level, place.code);
-        (!hides).then(|| Deviation::of_points(&nest.quarter_points(spot, false)))
-    }
-
-    /// The same for the part of a leaf over triangle `t`, which it stands off by `deviation`, where the
-    /// surface slides along the triangle: what its heights bound.
-    ///
-    /// A foot beyond an edge is over a neighbour, or over another triangle at a corner, and as high over
-    /// that as over this, but for how far it is beyond, times the sine of the angle between the two. Nor is
-    /// any point of a triangle farther off: the surface over the triangles around hangs together, and so
-    /// do its feet, which leave none of the triangle out. Over a border there is no neighbour: what is beyond
-    /// it lies between its edges and the border itself, which is off them by `off_rim` about each vertex.
-    fn sliding(&self, deviation: &Deviation, t: u32) -> f64 {
-        let (corners, normal) = (self.assembly.corners(t), self.normals[t as usize]);
-        if normal == DVec3::ZERO {
-            return f64::INFINITY;
-        }
-        let (mut squared, mut across) = (0.0_f64, 0.0_f64);
-        for v in self.assembly.triangle(t) {
-            across = across.max(self.off_rim.get(v as usize).copied().unwrap_or(0.0));
-            for &other in self.around.of(v) {
-                let other = self.normals[other as usize];
-                // A triangle that faces away is no neighbour to slide to; nor is one without a normal.
-                let turned = normal.dot(other) <= 0.0;
-                squared = squared.max(if turned { f64::INFINITY } else { normal.cross(other).length_squared() });
-            }
-        }
-        let bend = squared.sqrt();
-        let high = (0..3).map(|e| {
-            let [a, b, c] = [0, 1, 2].map(|k| corners[(e + k) % 3]);
-            let outward = (b - a).cross(normal).normalize_or_zero();
-            let [beyond, high] = deviation.beyond(e, outward, outward.dot(a - c), normal);
-            high + bend * beyond
-        });
-        high.fold(deviation.along(normal), greater).hypot(across)
-    }
-}
-
-/// The greater bound; what is no number bounds nothing.
-fn greater(a: f64, b: f64) -> f64 {
-    if b.is_nan() { f64::INFINITY } else { a.max(b) }
 }

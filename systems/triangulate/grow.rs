@@ -12,9 +12,9 @@ use selvedge_components::mesh::FaceId;
 use selvedge_components::subdivision::boxspline::Quartic;
 use selvedge_components::subdivision::{Deviation, FaceCode, quartered};
 
-use super::check::Known;
 use super::forest::Forest;
 use super::inner::Inner;
+use super::known::Known;
 use super::measure::{Facet, Over};
 use super::sample::{Farthest, Grid, Place, Sampled, borders, corners_of, farthest_of, is_beyond};
 use super::{DEAR, Subject, TriangulateError, TriangulateOptions, within_budget};

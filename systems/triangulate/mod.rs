@@ -22,11 +22,13 @@
 //! large one in a later pass, and until then those that it had.
 
 mod assemble;
+mod bound;
 mod check;
 pub mod closure;
 mod forest;
 mod grow;
 mod inner;
+mod known;
 mod measure;
 mod names;
 mod reach;

@@ -9,9 +9,10 @@ use std::sync::Arc;
 use selvedge_components::subdivision::{FaceCode, LoopSurface};
 
 use super::assemble::{AssembleWork, Assembly};
-use super::check::{CheckWork, Known};
+use super::check::CheckWork;
 use super::forest::Forest;
 use super::grow::GrowWork;
+use super::known::Known;
 use super::reach::Reach;
 use super::sample::{Farthest, Place, is_beyond};
 use super::{

@@ -13,8 +13,9 @@ use super::leaves::Leaves;
 use super::other;
 use super::remove::{Cage, Place, Remains, Trouble};
 use super::settle::Settling;
+use super::strip_parameters::strip_parameters;
 use super::track::Near;
-use super::{Cut, RemeshOptions, Work, crossed, manifold, sides};
+use super::{Cut, RemeshOptions, Work, crossed, manifold};
 use crate::parallel::{for_each, map_dear_in_order};
 
 /// The shape below which a triangle of a strip is a sliver: half of what the smallest angle allowed
@@ -178,7 +179,7 @@ impl Laid {
             parameters: Vec::new(),
         };
         work.parameters =
-            (0..self.strips.len() as u32).map(|s| sides::strip_parameters(&work, s)).collect::<Result<_, _>>()?;
+            (0..self.strips.len() as u32).map(|s| strip_parameters(&work, s)).collect::<Result<_, _>>()?;
         Ok((assemble(&work, self.relaxed.clone())?, thin))
     }
 

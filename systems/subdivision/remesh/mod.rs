@@ -40,6 +40,7 @@ mod sets;
 mod settle;
 mod sides;
 mod stretch;
+mod strip_parameters;
 pub mod track;
 pub mod winding;
 pub mod work;
@@ -176,7 +177,7 @@ struct Work<'a> {
     remains: &'a Remains,
     strips: &'a [attach::Strip],
     /// By strip.
-    parameters: Vec<sides::StripParameters>,
+    parameters: Vec<strip_parameters::StripParameters>,
 }
 
 impl Work<'_> {
