@@ -1,6 +1,7 @@
 //! Trims that are made together: remesh, what begins their fit, and what ends it.
 
 mod blame;
+mod others;
 mod report;
 
 use std::sync::Arc;
@@ -12,13 +13,13 @@ use selvedge_components::subdivision::remesh::RemeshError;
 use selvedge_components::subdivision::{FaceCode, LoopSurface};
 use selvedge_components::target::{Guarded, Target};
 use selvedge_components::tolerance::Tolerance;
-use selvedge_components::trim::{Omega, Sides, TrimFault, TrimOptions, TrimQuantum, TrimStage};
+use selvedge_components::trim::{Omega, TrimFault, TrimOptions, TrimQuantum, TrimStage};
 
 use super::audit::TrimAuditWork;
 use super::compose::ZoneOf;
 use super::ground::Ground;
 use super::locate::Located;
-use super::other::{OtherWork, cutting};
+use super::other::OtherWork;
 use super::zone::Zone;
 use crate::closest::Search;
 use crate::subdivision::fit::FitWork;
@@ -184,41 +185,6 @@ impl TrimWork {
         })
     }
 
-    /// Makes the next other side that is wanted by itself, one step further, to learn how fine it is: its knots
-    /// will be those of what stays. Tells whether there is more to do. One that cannot be made asks for nothing;
-    /// it will say why in its turn.
-    fn ask_other_sides(&mut self) -> bool {
-        let (asked, begun) = core::mem::take(&mut self.alone);
-        let Some(trim) = (asked..self.members.len()).find(|&trim| self.wants_other(trim)) else {
-            self.alone.0 = self.members.len();
-            return false;
-        };
-        let begun = begun.map_or_else(|| cutting(self, trim, None).map(Box::new), Ok);
-        let step = begun.and_then(|mut alone| {
-            let laid = alone.advance()? == RemeshQuantum::Laid;
-            let done = laid && matches!(alone.relax()?, RelaxQuantum::Finished(_));
-            Ok((alone, done))
-        });
-        self.alone = match step {
-            Ok((alone, false)) => (trim, Some(alone)),
-            Ok((alone, true)) => {
-                self.asked.extend(alone.fineness());
-                (trim + 1, None)
-            }
-            Err(_) => (trim + 1, None),
-        };
-        true
-    }
-
-    fn wants_other(&self, trim: usize) -> bool {
-        self.members[trim].options.sides == Sides::Both
-    }
-
-    /// How fine the cage has to be along the curves, as far as that is known.
-    pub(super) fn asked(&self) -> &[Fineness] {
-        &self.asked
-    }
-
     fn begin_cutting(&self) -> Result<RemeshWork, RemeshError> {
         let (cuts, images) = self.cuts();
         let options = self.remesh_options();
@@ -313,34 +279,6 @@ impl TrimWork {
         let step = audit.advance().map_err(|why| self.nearest(why))?;
         self.audited = step == TrimQuantum::Finished;
         Ok(if self.audited && self.next_other().is_some() { TrimQuantum::More } else { step })
-    }
-
-    /// The first trim whose other side is wanted and was not begun.
-    fn next_other(&self) -> Option<usize> {
-        let begin = self.others.last().map_or(0, |other| other.trim + 1);
-        (begin..self.members.len()).find(|&trim| self.wants_other(trim))
-    }
-
-    /// One quantum more of the other sides.
-    fn advance_others(&mut self) -> Result<TrimQuantum, Blamed> {
-        let of_other = |trim, why| Blamed { trim, with: None, why: TrimFault::OtherSide { why: Box::new(why) } };
-        if let Some(mut other) = self.others.pop_if(|other| !other.is_done()) {
-            let (trim, step) = (other.trim, other.advance(self));
-            self.others.push(other);
-            let step = step.map_err(|why| of_other(trim, why))?;
-            let is_last = self.next_other().is_none();
-            return Ok(if step == TrimQuantum::Finished && !is_last { TrimQuantum::More } else { step });
-        }
-        let (Some(trim), Some(remeshed)) = (self.next_other(), self.remeshed.clone()) else {
-            return Ok(TrimQuantum::Finished);
-        };
-        self.others.push(OtherWork::new(self, trim, remeshed).map_err(|why| of_other(trim, why))?);
-        Ok(TrimQuantum::More)
-    }
-
-    /// The other sides that are made.
-    pub fn others(&self) -> &[OtherWork] {
-        &self.others
     }
 
     /// What is left of the source, once the audit has begun.
