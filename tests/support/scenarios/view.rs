@@ -18,7 +18,9 @@ pub fn differ(live: &mut Live, fresh: &mut Live, model: &Model) -> Option<String
         for world in [&mut *live, &mut *fresh] {
             if let Some(result) = world.engine.result(world.source) {
                 world.engine.world_mut().entity_mut(result).insert(options);
-                world.engine.update();
+                if let Err(busy) = world.settle() {
+                    return Some(busy);
+                }
             }
         }
     }
