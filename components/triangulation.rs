@@ -11,8 +11,9 @@ use crate::mesh::{FaceId, VertexId};
 ///
 /// On a surface it asks for triangles: the surface then bears
 /// [`Triangles`](crate::triangles::Triangles) and a [`TriangulationReport`], made anew whenever the
-/// surface or these options become other ones, or a [`TriangulationFailed`]. Where the surface bears a
-/// [`Tolerance`](crate::tolerance::Tolerance), its `chord` is the density.
+/// surface or these options become other ones, or a [`TriangulationFailed`]. A large surface takes several
+/// passes: until then it bears the triangles that it had, and [`Triangulated`] says of which revision they
+/// are. Where the surface bears a [`Tolerance`](crate::tolerance::Tolerance), its `chord` is the density.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct TriangulateOptions {
     /// How fine.
