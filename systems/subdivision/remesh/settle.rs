@@ -237,6 +237,17 @@ mod tests {
         assert_eq!([knots[0].t, knots[4].t], [0.0, 1.0]);
     }
 
+    /// Beside a triangle that faces the wrong way one of hardly any width is not the worst, but the flattest.
+    #[test]
+    fn a_sliver_beside_a_folded_triangle_is_seen() {
+        let rim = [[0.1, 0.2], [0.5, 0.3], [0.3, 0.3], [0.7, 0.3], [0.9, 0.2]];
+        let (strip, rim, knots) = strip(&rim, &[0.0, 0.4, 0.40001, 1.0]);
+        let settling = Settling { strip: &strip, rim, curve: &Axis, heading: Heading::Along };
+        assert!(settling.shapes(&knots)[1] < -0.5);
+        let flattest = settling.flattest(&knots)[1];
+        assert!(flattest > 0.0 && flattest < 1e-4, "{flattest}");
+    }
+
     /// The rim comes down to the curve and goes back up, steeply: a knot has to pass below the way up, where
     /// its neighbours are.
     #[test]
