@@ -53,6 +53,7 @@ pub use selvedge_components::{
     audit, budget, curve, error, evaluate, guard, identity, job, mesh, report, subdivision, target, tolerance,
     triangles, triangulation, trim,
 };
+pub use selvedge_systems::triangulate::Triangulating;
 pub use selvedge_systems::{diagnostics, schedule};
 
 /// The program in the README is a test.

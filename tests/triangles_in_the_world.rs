@@ -12,8 +12,8 @@ use selvedge::triangles::Triangles;
 use selvedge::triangulation::{
     Density, TriangulateError, TriangulateOptions, Triangulated, TriangulationFailed, TriangulationReport,
 };
-use selvedge::{Engine, Pass};
-use selvedge_systems::triangulate::{Triangulating, triangulate};
+use selvedge::{Engine, Pass, Triangulating};
+use selvedge_systems::triangulate::triangulate;
 use support::octant;
 use support::world::host;
 
