@@ -151,6 +151,22 @@ fn a_line_misses_no_box_from_far_away_or_along_an_axis() {
     }
 }
 
+/// However many boxes there are: nodes have room for four.
+#[test]
+fn a_line_visits_each_box_once() {
+    for count in 1..20 {
+        let boxes: Vec<_> = (0..count).map(|i| Bounds::of([DVec3::splat(f64::from(i)), DVec3::splat(20.0)])).collect();
+        let tree = Bvh::new(&boxes);
+        let mut visited = Vec::new();
+        tree.along(DVec3::splat(30.0), DVec3::new(-1.0, -1.01, -0.99), [0.0, f64::INFINITY], |i, end| {
+            visited.push(i);
+            end
+        });
+        visited.sort_unstable();
+        assert!(visited.iter().copied().eq(0..count as u32), "{visited:?} of {count}");
+    }
+}
+
 #[test]
 fn a_line_is_cut_where_the_visitor_says() {
     let boxes: Vec<_> =

@@ -28,7 +28,9 @@ struct Four {
 const LEAF: u32 = 1 << 31;
 
 impl Four {
-    const EMPTY: Self = Self { min: [[f32::INFINITY; 4]; 3], max: [[f32::NEG_INFINITY; 4]; 3], children: [LEAF; 4] };
+    /// Inside out, and beyond the frame: a line leaves these before it enters them. Infinity less its own slack
+    /// would be no number.
+    const EMPTY: Self = Self { min: [[8.0; 4]; 3], max: [[-8.0; 4]; 3], children: [LEAF; 4] };
 
     fn put(&mut self, lane: usize, node: &Node, child: u32) {
         for axis in 0..3 {
