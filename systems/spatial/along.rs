@@ -85,8 +85,8 @@ impl Node {
 ///
 /// Its parameter is 0 at the point nearest to the centre, and the direction's largest coordinate is 1.
 struct Line {
-    /// By axis, the coordinate that the nearer sides of boxes are measured from, and the farther ones:
-    /// grown apart by [`Line::pad`].
+    /// By axis, the coordinate that the nearer sides of boxes are measured from, and the farther ones: apart by
+    /// what rounding may take off.
     from: [[f32; 2]; 3],
     inverse: [f32; 3],
     /// The parameter that is 0 here, and how many of these make one there.
@@ -107,12 +107,12 @@ impl Line {
         let along = direction / scale;
         let zero = -origin.dot(along) / along.length_squared();
         let nearest = origin + along * zero;
-        // The frame's own radius is below 2.
-        if nearest.length_squared() > 4.0 || !along.is_finite() {
-            return None;
-        }
         // Boxes and this point in f32, differences of them; and the digits that a far origin has lost.
         let pad = 8.0 * f64::from(f32::EPSILON) + 8.0 * f64::EPSILON * (origin.abs().max_element() + zero.abs());
+        // The frame's own radius is below 2.
+        if nearest.length() > 2.0 + pad || !along.is_finite() {
+            return None;
+        }
         let inverse = along.to_array().map(|x| if x.abs() < STILL { STILL.recip() } else { x.recip() });
         let from = core::array::from_fn(|axis| {
             let [least, most] = [nearest[axis] - pad, nearest[axis] + pad].map(|x| x as f32);
