@@ -9,9 +9,7 @@ use glam::DVec3;
 use selvedge_components::curve::{CircularArc, CurveParameters, Extent, Heading, ParameterError, ShapeError};
 use selvedge_components::mesh::VertexId;
 use selvedge_components::subdivision::{Border, CornerRule, Details, Ends, LoopSurface, Side};
-use selvedge_systems::subdivision::fit::{
-    ErrorMap, FitError, FitOptions, FitWork, Quantum, Region, Rule, Rung, Storage,
-};
+use selvedge_systems::subdivision::fit::{FitError, FitOptions, FitWork, Quantum, Region, Rule, Rung, Storage};
 use selvedge_systems::subdivision::quasi::{BoundaryStencil, CornerStencil};
 use selvedge_systems::target::Projection;
 use serde::Serialize;
@@ -182,8 +180,6 @@ pub struct OctantFit {
     pub row: LadderRow,
     /// The surface, details and all.
     pub surface: LoopSurface,
-    /// Limit points with their errors: before any detail, then after each level.
-    pub maps: Vec<ErrorMap>,
 }
 
 /// Fits `octant` down to `last_level`; levels after `everywhere` go on around the irregular vertex
@@ -207,17 +203,7 @@ pub fn fit(
     };
     let options = FitOptions { last_level, region, storage, ..options(method) };
     let mut work = FitWork::new(source.clone(), sphere, options)?;
-    let mut maps = Vec::new();
-    loop {
-        let quantum = work.advance()?;
-        let measured = work.ladder().len() + usize::from(work.initial().is_some());
-        if measured > maps.len() {
-            maps.push(work.error_map());
-        }
-        if quantum == Quantum::Finished {
-            break;
-        }
-    }
+    while work.advance()? != Quantum::Finished {}
     let ladder = work.ladder();
     let levels = (0..ladder.len()).map(|i| LevelRow::new(&ladder[i], i.checked_sub(1).map(|b| &ladder[b])));
     let row = LadderRow {
@@ -228,5 +214,5 @@ pub fn fit(
         levels: levels.collect(),
     };
     let surface = LoopSurface { details: work.details().clone(), ..(*source).clone() };
-    Ok(OctantFit { row, surface, maps })
+    Ok(OctantFit { row, surface })
 }

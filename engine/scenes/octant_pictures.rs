@@ -2,11 +2,10 @@
 
 use selvedge_components::subdivision::{Details, LoopSurface};
 use selvedge_components::triangles::Triangles;
-use selvedge_systems::subdivision::fit::ErrorMap;
 use selvedge_systems::triangulate::{Density, TriangulateError, TriangulateOptions, triangulate};
 use thiserror::Error;
 
-use super::octant::{LadderRow, Method, OctantFit};
+use super::octant::{LadderRow, Method, OctantFit, RADIUS};
 use crate::diagram::camera::{Frame, View};
 use crate::diagram::canvas::{Canvas, Stroke};
 use crate::diagram::colour::palette;
@@ -47,8 +46,8 @@ fn view() -> View {
 pub fn figure(fit: &OctantFit) -> Result<Canvas, OctantPictureError> {
     let frame = Frame::new(620, 620);
     let cage = cage(&fit.surface);
-    let initial = limit(&LoopSurface { details: Details::default(), ..fit.surface.clone() })?;
-    let fitted = limit(&fit.surface)?;
+    let initial = limit(&LoopSurface { details: Details::default(), ..fit.surface.clone() }, FINE)?;
+    let fitted = limit(&fit.surface, FINE)?;
     let over = || Overlay::cage(&cage, palette::BLUE, 620);
     let camera = Scene::of(Surface::new(&fitted)).with(over()?).camera(&view(), frame)?;
     let draw = |scene: Scene<'_>, caption: String| Ok::<_, DiagramError>(Cell::new(scene.draw(&camera)?, caption));
@@ -77,20 +76,23 @@ const DECADES: i32 = 4;
 ///
 /// # Errors
 /// As the drawing.
-pub fn error_maps(fit: &OctantFit) -> Result<Canvas, DiagramError> {
+pub fn error_maps(fit: &OctantFit) -> Result<Canvas, OctantPictureError> {
     let frame = Frame::new(520, 520);
     let mut cells = Vec::new();
-    for (map, level) in fit.maps.iter().skip(1).zip(&fit.row.levels) {
-        let mesh = triangles(map);
-        // A map without any error still has a scale.
-        let most = map.errors.iter().copied().fold(f64::EPSILON, f64::max);
+    for level in &fit.row.levels {
+        let mut details = fit.surface.details.clone();
+        details.levels.truncate(level.level as usize + 1);
+        let mesh = limit(&LoopSurface { details, ..fit.surface.clone() }, FINE.max(level.level + 2))?;
+        let errors: Vec<f64> = mesh.positions.iter().map(|p| (p.length() - RADIUS).abs()).collect();
+        // Neither the map nor the ladder shows all points; and a map without any error still has a scale.
+        let most = errors.iter().copied().fold(level.max_m.max(f64::EPSILON), f64::max);
         let scale = ColourScale::new(most * 0.1_f64.powi(DECADES), most)?.logarithmic()?.titled("distance");
-        let surface = Surface::new(&mesh).painted(Paint::Values(&map.errors, &scale));
+        let surface = Surface::new(&mesh).painted(Paint::Values(&errors, &scale));
         let picture = Scene::of(surface).picture(&view(), frame)?;
-        let caption = format!("level {}: at most {}", level.level, Quantity::Length.label(level.max_m, 3));
+        let caption = format!("level {}: at most {}", level.level, Quantity::Length.label(most, 3));
         cells.push(Cell::new(with_colour_bar(&picture, &scale, 17.0)?, caption));
     }
-    Grid::new(3, 20.0).compose(&cells)
+    Ok(Grid::new(3, 20.0).compose(&cells)?)
 }
 
 /// Ladders of several fits in one plot, with the fall that the irregular vertex allows.
@@ -125,13 +127,9 @@ pub fn ladder_plot(rows: &[&LadderRow]) -> Result<Canvas, DiagramError> {
     .draw()
 }
 
-fn triangles(map: &ErrorMap) -> Triangles {
-    Triangles { positions: map.positions.clone(), triangles: map.triangles.clone(), ..Triangles::default() }
-}
-
-/// A limit surface as triangles.
-fn limit(surface: &LoopSurface) -> Result<Triangles, TriangulateError> {
-    let options = TriangulateOptions { density: Density::Level(FINE), ..TriangulateOptions::default() };
+/// A limit surface as triangles of `level`.
+fn limit(surface: &LoopSurface, level: u32) -> Result<Triangles, TriangulateError> {
+    let options = TriangulateOptions { density: Density::Level(level), ..TriangulateOptions::default() };
     Ok(triangulate(surface, &options)?.triangles)
 }
 
