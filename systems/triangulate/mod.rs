@@ -48,7 +48,7 @@ pub use selvedge_components::triangulation::{
 };
 
 pub use system::{Triangulating, triangulate_surfaces};
-pub use work::{TriangulationStep, TriangulationWork};
+pub use work::{TriangulationState, TriangulationWork};
 
 pub(crate) use measure::{shape, squared_to_segment, squared_to_triangle};
 use reach::Reach;

@@ -8,7 +8,7 @@ use selvedge_components::tolerance::Tolerance;
 use selvedge_components::triangulation::Triangulated;
 
 use super::{
-    TriangulateError, TriangulateOptions, TriangulationFailed, TriangulationStep, TriangulationWork, effective,
+    TriangulateError, TriangulateOptions, TriangulationFailed, TriangulationState, TriangulationWork, effective,
 };
 use crate::diagnostics::{Counters, GroundDiagnostics};
 use crate::parallel::for_each;
@@ -53,7 +53,7 @@ struct Turn<'a> {
     begun: Option<TriangulationWork>,
     from: Triangulated,
     passes: u64,
-    outcome: Option<Result<TriangulationStep, TriangulateError>>,
+    outcome: Option<Result<TriangulationState, TriangulateError>>,
 }
 
 impl Turn<'_> {
@@ -105,10 +105,10 @@ pub fn triangulate_surfaces(
     for (entity, turn) in due {
         let mut entity = commands.entity(entity);
         match turn.outcome {
-            Some(Ok(TriangulationStep::Busy(work))) => {
+            Some(Ok(TriangulationState::Busy(work))) => {
                 entity.try_insert(Triangulating { work: Some(*work), from: turn.from, passes: turn.passes + 1 });
             }
-            Some(Ok(TriangulationStep::Done(made))) => {
+            Some(Ok(TriangulationState::Done(made))) => {
                 entity.try_remove::<(TriangulationFailed, Triangulating)>();
                 entity.try_insert((made.triangles, made.report, turn.from));
                 run.counted.written += 1;

@@ -36,7 +36,7 @@ pub struct TriangulationWork {
 
 /// What a pass has come to.
 #[derive(Debug)]
-pub enum TriangulationStep {
+pub enum TriangulationState {
     /// There is more to do.
     Busy(Box<TriangulationWork>),
     /// The triangles.
@@ -129,14 +129,14 @@ impl TriangulationWork {
     ///
     /// # Errors
     /// As [`Self::advance`].
-    pub fn pass(mut self) -> Result<TriangulationStep, TriangulateError> {
+    pub fn pass(mut self) -> Result<TriangulationState, TriangulateError> {
         let enough = self.spent + SPENT_A_PASS;
         while self.spent < enough {
             if let Some(triangulation) = self.advance()? {
-                return Ok(TriangulationStep::Done(Box::new(triangulation)));
+                return Ok(TriangulationState::Done(Box::new(triangulation)));
             }
         }
-        Ok(TriangulationStep::Busy(Box::new(self)))
+        Ok(TriangulationState::Busy(Box::new(self)))
     }
 
     /// Takes all steps that are left.

@@ -17,6 +17,7 @@ fn sweep(cases: &Cases<'_>, count: usize) {
     let name = cases.name;
     let count = std::env::var("SELVEDGE_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(count);
     let (mut made, mut refused, mut worst) = (0, BTreeMap::<String, usize>::new(), f64::INFINITY);
+    let mut told = Vec::new();
     for (case, ground, cuts) in cases.first(count) {
         let cuts = as_sets(&cuts);
         let Ok((_, others)) = ground.both_sides(&cuts) else { continue };
@@ -26,23 +27,23 @@ fn sweep(cases: &Cases<'_>, count: usize) {
                     made += 1;
                     let shape = worst_shape(&other);
                     if shape.0 < SLIVER {
-                        println!("{name} {case} of {set}: {shape:?}");
+                        told.push(format!("{case} of {set}: {shape:?}"));
                         picture(&format!("other{name}{case}.svg"), &other);
                     }
                     worst = worst.min(shape.0);
                 }
                 Err(RemeshError::NothingLeft { .. }) => {}
                 Err(why) => {
-                    println!("{name} {case} of {set}: {why}");
+                    told.push(format!("{case} of {set}: {why}"));
                     *refused.entry(kind(&why)).or_default() += 1;
                 }
             }
         }
     }
-    println!("{name}: {made} other sides, worst shape {worst:.4}, refused {refused:?}");
     let failed: usize = refused.values().sum();
-    assert!(2 * failed <= made, "{failed} beside {made}");
-    assert!(worst > SLIVER, "{name}: {worst}");
+    let told = told.join("\n");
+    assert!(2 * failed <= made, "{name}: {failed} beside {made}, {refused:?}\n{told}");
+    assert!(worst > SLIVER, "{name}: worst shape {worst}\n{told}");
 }
 
 #[test]

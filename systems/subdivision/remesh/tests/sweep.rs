@@ -148,18 +148,15 @@ fn sweep(cases: &Cases<'_>, count: usize) {
     let name = cases.name;
     let count = std::env::var("SELVEDGE_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(count);
     let mut tally = Tally { worst: f64::INFINITY, ..Tally::default() };
-    let mut failed = 0;
+    let (mut failed, mut told) = (0, Vec::new());
     for (case, ground, cuts) in cases.first(count) {
-        if std::env::var_os("SELVEDGE_TRACE").is_some() {
-            println!("{name} {case} ..");
-        }
         match ground.cut(&cuts) {
             Ok(result) => {
                 let verdict = judge_union(&ground.surface, &cuts, &result);
                 tally.sound += 1;
                 tally.crossing += usize::from(!result.junctions.is_empty());
                 if verdict.worst_shape < 0.01 || verdict.most_valence > 9 {
-                    println!("{name} {case}: {verdict:?}, {}", beside(&cuts, &result, verdict.worst_at));
+                    told.push(format!("{case}: {verdict:?}, {}", beside(&cuts, &result, verdict.worst_at)));
                     picture(&format!("{name}{case}.svg"), &result);
                 }
                 tally.worst = tally.worst.min(verdict.worst_shape);
@@ -174,17 +171,21 @@ fn sweep(cases: &Cases<'_>, count: usize) {
                         | RemeshError::Gap { .. }
                 );
                 failed += usize::from(!forbidden);
-                println!("{name} {case}: {why}");
+                told.push(format!("{case}: {why}"));
                 *tally.refused.entry(kind(&why)).or_default() += 1;
             }
         }
     }
-    println!(
-        "{name}: {} of {count} sound, {} with junctions, worst shape {:.4}, refused {:?}",
-        tally.sound, tally.crossing, tally.worst, tally.refused
+    let all = format!(
+        "{name}: {} of {count} sound, {} with junctions, worst shape {:.4}, refused {:?}\n{}",
+        tally.sound,
+        tally.crossing,
+        tally.worst,
+        tally.refused,
+        told.join("\n")
     );
-    assert!(10 * failed <= count, "{failed} of {count}");
-    assert!(tally.worst > SLIVER, "{name}: {}", tally.worst);
+    assert!(10 * failed <= count, "{failed} have failed: {all}");
+    assert!(tally.worst > SLIVER, "{all}");
 }
 
 /// Random curves, the same on every run.
